@@ -33,7 +33,7 @@ World make_world(std::uint32_t rows, std::uint32_t capacity) {
     }
     world.state = State(std::move(layout).finished());
     for (TableId table : world.tables) world.state.resize(table, rows);
-    Random random(1);
+    SplitMix random(1);
     scramble(world.state, random);
     return world;
 }

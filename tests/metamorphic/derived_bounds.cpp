@@ -57,7 +57,7 @@ std::uint64_t derived_anew(const sim::Data& w) {
 /// A world without a face, and random things that happen to it.
 struct Run {
     sim::Data w;
-    test::scene::Random random;
+    test::scene::RandomPoint random;
     std::vector<Image> images;
     int restores = 0, planes = 0, sleepers = 0;
 

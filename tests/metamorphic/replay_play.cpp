@@ -30,7 +30,7 @@ void seek_everywhere(Player& player, const std::vector<std::uint64_t>& hashes) {
     };
     for (std::uint64_t t = 0; t < hashes.size(); ++t) visit(t);
     for (std::uint64_t t = hashes.size(); t-- > 0;) visit(t);
-    Random random(1);
+    SplitMix random(1);
     for (int i = 0; i < 100; ++i) visit(random.below(static_cast<std::uint32_t>(hashes.size())));
 }
 

@@ -21,7 +21,7 @@ std::vector<std::byte> other_host(std::span<const std::byte> rows, std::span<con
 }
 
 template <StateRow T> void check_orders(std::uint32_t rows, std::uint64_t seed) {
-    Random random(seed);
+    SplitMix random(seed);
     std::vector<std::byte> here(rows * sizeof(T));
     for (std::byte& b : here) b = static_cast<std::byte>(random.next() & 255u);
     const auto leaves = leaves_of<T>();

@@ -97,7 +97,7 @@ class Player {
         Block block;
     };
     const Wide& wide;
-    Random random;
+    SplitMix random;
     std::optional<State> state;
     std::array<Kept, ring_size> ring;
     std::optional<Block> expected; ///< of the whole block, where an operation

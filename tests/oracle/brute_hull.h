@@ -71,12 +71,12 @@ inline std::shared_ptr<lockstone::shapes::Hull> brute_hull(const std::vector<Gri
         for (std::size_t k = 0; k < 3; ++k) beside[named[k]].insert({named[(k + 1) % 3], named[(k + 2) % 3]});
     }
     for (const auto& t : hull->triangles) { // every triangle a face
-        const D3 p = to_double(hull->vertices[t[0]]);
-        D3 n = cross(to_double(hull->vertices[t[1]]) - p, to_double(hull->vertices[t[2]]) - p);
+        const D3 p = as_double(hull->vertices[t[0]]);
+        D3 n = cross(as_double(hull->vertices[t[1]]) - p, as_double(hull->vertices[t[2]]) - p);
         n = n * (1 / norm(n));
         using lockstone::Unit;
-        hull->faces.push_back({{quantize<Unit>(n.x), quantize<Unit>(n.y), quantize<Unit>(n.z)},
-                               quantize<lockstone::Coordinate>(dot(n, p)),
+        hull->faces.push_back({{as_fixed<Unit>(n.x), as_fixed<Unit>(n.y), as_fixed<Unit>(n.z)},
+                               as_fixed<lockstone::Coordinate>(dot(n, p)),
                                static_cast<std::uint16_t>(hull->loops.size()),
                                3});
         hull->loops.insert(hull->loops.end(), t.begin(), t.end());

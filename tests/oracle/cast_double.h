@@ -123,7 +123,7 @@ template <class F> Entry entry_of(F&& f, double begin, double end) {
     return e;
 }
 
-struct Random {
+struct RandomCast {
     std::mt19937_64 engine;
     double operator()(double low, double high) {
         return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
@@ -146,7 +146,7 @@ struct Random {
 inline Real real(double x) { return fixed<Real>(x); }
 
 /// A primitive of one of the five kinds; sometimes rounded, sometimes with one thin side.
-inline Geometry random_primitive(Random& random, ShapeKind kind, double low, double high, bool round) {
+inline Geometry random_primitive(RandomCast& random, ShapeKind kind, double low, double high, bool round) {
     const auto size = [&] { return real(random.size(low, high)); };
     Geometry g{};
     switch (kind) {

@@ -17,7 +17,7 @@ struct Shot {
     V from, way;
 };
 /// Towards the solid or past it, from near, far, and inside.
-Shot random_shot(Random& random, const Body& s) {
+Shot random_shot(RandomCast& random, const Body& s) {
     const double size = reach(s);
     const V target{random(-1.2, 1.2) * (s.half.x + s.radius), random(-1.2, 1.2) * (s.half.y + s.radius),
                    random(-1.2, 1.2) * (s.half.z + s.radius)};
@@ -97,7 +97,7 @@ struct Tally {
 
 template <class Damage>
 Tally shoot(Solids& solids, ShapeKind kind, bool round, double scale, int count, Damage&& damage) {
-    Random random{std::mt19937_64(static_cast<std::uint64_t>(kind) * 2 + round + 17)};
+    RandomCast random{std::mt19937_64(static_cast<std::uint64_t>(kind) * 2 + round + 17)};
     collide::NarrowScratch scratch;
     Tally tally;
     for (int i = 0; i < count; ++i) {

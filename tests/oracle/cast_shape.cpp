@@ -84,7 +84,7 @@ struct Tally {
     std::string first;
 };
 
-Geometry random_hull(Random& random, Solids& solids) {
+Geometry random_hull(RandomCast& random, Solids& solids) {
     std::vector<LengthVec3> points;
     const V half{random.size(0.05, 2), random.size(0.05, 2), random.size(0.05, 2)};
     for (int i = 0; i < 4 + static_cast<int>(random(0, 30)); ++i) {
@@ -99,14 +99,14 @@ Geometry random_hull(Random& random, Solids& solids) {
 constexpr ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::cylinder,
                                ShapeKind::cone,   ShapeKind::box,     ShapeKind::hull};
 
-Geometry random_convex(Random& random, Solids& solids) {
+Geometry random_convex(RandomCast& random, Solids& solids) {
     const ShapeKind kind = kinds[random.engine() % 6];
     if (kind == ShapeKind::hull) return random_hull(random, solids);
     return random_primitive(random, kind, 0.02, 4, random(0, 1) < 0.3);
 }
 
 template <class Damage> Tally cast_many(int count, Damage&& damage) {
-    Random random{std::mt19937_64(4711)};
+    RandomCast random{std::mt19937_64(4711)};
     Solids solids;
     collide::NarrowScratch scratch;
     Tally tally;
@@ -177,7 +177,7 @@ TEST_CASE("planted: a wrong cast of a shape is noticed") {
 }
 
 TEST_CASE("the nearest points of two convex shapes are proved by a plane between them") {
-    Random random{std::mt19937_64(99)};
+    RandomCast random{std::mt19937_64(99)};
     Solids solids;
     collide::NarrowScratch scratch;
     int wrong = 0, apart = 0, overlapping = 0;

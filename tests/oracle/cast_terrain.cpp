@@ -78,13 +78,14 @@ struct Field {
     Soup soup;
 };
 
-std::vector<Length> bumps(Random& random, std::uint32_t side, double height) {
+std::vector<Length> bumps(RandomCast& random, std::uint32_t side, double height) {
     std::vector<Length> heights;
     for (std::uint32_t i = 0; i < side * side; ++i) heights.push_back(fixed<Length>(random(-height, height)));
     return heights;
 }
 
-shapes::Solid height_field(Solids& solids, Random& random, std::uint32_t side, double spacing, bool holes) {
+shapes::Solid height_field(Solids& solids, RandomCast& random, std::uint32_t side, double spacing,
+                           bool holes) {
     const std::vector<Length> heights = bumps(random, side, 2 * spacing);
     std::vector<std::uint8_t> cells;
     for (std::uint32_t i = 0; holes && i < (side - 1) * (side - 1); ++i)
@@ -100,7 +101,7 @@ shapes::Solid height_field(Solids& solids, Random& random, std::uint32_t side, d
 }
 
 /// A bumpy grid, `gap`: how far one corner of one triangle is pulled away from its neighbours.
-shapes::Solid grid(Solids& solids, Random& random, std::uint32_t side, double spacing, bool two_sided,
+shapes::Solid grid(Solids& solids, RandomCast& random, std::uint32_t side, double spacing, bool two_sided,
                    double gap) {
     std::vector<Vec3> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -130,7 +131,7 @@ shapes::Solid grid(Solids& solids, Random& random, std::uint32_t side, double sp
 }
 
 template <class Damage>
-std::string shoot(const shapes::Solid& s, Random& random, int count, bool two_sided, Damage&& damage,
+std::string shoot(const shapes::Solid& s, RandomCast& random, int count, bool two_sided, Damage&& damage,
                   int& hits) {
     const Soup soup = soup_of(s);
     const shapes::Extent e = shapes::extent_of(s);
@@ -156,7 +157,7 @@ constexpr auto undamaged = [](bool&, CastHit&) {};
 
 /// How many rays at corners and edge points inside the grid slip through.
 int slips(double gap, int count) {
-    Random random{std::mt19937_64(3)};
+    RandomCast random{std::mt19937_64(3)};
     Solids solids;
     constexpr std::uint32_t side = 16;
     const shapes::Solid s = grid(solids, random, side, 1, true, gap);
@@ -194,7 +195,7 @@ double to_triangle(V p, const std::array<V, 3>& t) {
 } // namespace
 
 TEST_CASE("a ray meets the first front of a mesh or height field, near and over kilometres") {
-    Random random{std::mt19937_64(1)};
+    RandomCast random{std::mt19937_64(1)};
     Solids solids;
     int hits = 0;
     const int count = samples(400, 10000);
@@ -210,7 +211,7 @@ TEST_CASE("a ray meets the first front of a mesh or height field, near and over 
 TEST_CASE("planted: a late, early or missing hit on a mesh is noticed") {
     Solids solids;
     const auto said = [&](auto&& damage) {
-        Random random{std::mt19937_64(2)};
+        RandomCast random{std::mt19937_64(2)};
         int hits = 0;
         return shoot(grid(solids, random, 8, 1, true, 0), random, 60, true, damage, hits);
     };
@@ -226,7 +227,7 @@ TEST_CASE("no ray slips through a shared edge or corner") { CHECK(slips(0, sampl
 TEST_CASE("planted: rays slip through a mesh with cracks") { CHECK(slips(0.001, 4000) > 0); }
 
 TEST_CASE("a ray meets a hull where its triangles are, and a compound where its parts are") {
-    Random random{std::mt19937_64(4)};
+    RandomCast random{std::mt19937_64(4)};
     Solids solids;
     collide::NarrowScratch scratch;
     int wrong = 0, hits = 0;
@@ -281,7 +282,7 @@ TEST_CASE("a ray meets a hull where its triangles are, and a compound where its 
 }
 
 TEST_CASE("a moving ball stops where a mesh or height field is one radius away") {
-    Random random{std::mt19937_64(5)};
+    RandomCast random{std::mt19937_64(5)};
     Solids solids;
     collide::NarrowScratch scratch;
     const shapes::Solid terrains[] = {grid(solids, random, 12, 1, true, 0),

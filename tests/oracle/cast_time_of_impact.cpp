@@ -24,7 +24,7 @@ struct Case {
 Transform pose(V p, Quat q) { return {{real(p.x), real(p.y), real(p.z)}, q}; }
 
 /// Two shapes, one of them perhaps at rest, that come near each other while they turn by less than a half turn.
-Case random_case(Random& random) {
+Case random_case(RandomCast& random) {
     Case c;
     c.a = random_primitive(random, kinds[random.engine() % 5], 0.05, 1, random(0, 1) < 0.3);
     c.b = random_primitive(random, kinds[random.engine() % 5], 0.05, 1, random(0, 1) < 0.3);
@@ -62,7 +62,7 @@ struct Tally {
 
 /// `shift`: added to every answer, to see that it is noticed.
 Tally check_many(int count, double shift) {
-    Random random{std::mt19937_64(12)};
+    RandomCast random{std::mt19937_64(12)};
     Solids solids;
     collide::NarrowScratch scratch;
     Tally tally;
@@ -147,7 +147,7 @@ TEST_CASE("planted: a late or early time of impact is noticed") {
 }
 
 TEST_CASE("times of impact and casts of straight motions agree with FCL") {
-    Random random{std::mt19937_64(13)};
+    RandomCast random{std::mt19937_64(13)};
     Solids solids;
     collide::NarrowScratch scratch;
     int compared = 0, wrong = 0, wrong_cast = 0;

@@ -11,7 +11,7 @@ using namespace lockstone;
 
 namespace {
 
-const Length margin = quantize<Length>(0.02);
+const Length margin = as_fixed<Length>(0.02);
 
 /// What a comparison found, for the table.
 struct Comparison {
@@ -33,7 +33,7 @@ bool along_a_face(const Placed& s, D3 n) {
 /// side of a face is not among the points, and two points along a capsule are projected on their common normal.
 std::optional<double> separation_error(const Placed& a, const Placed& b, const Manifold& m, double deepest,
                                        double truth) {
-    const D3 n = to_double(m.normal);
+    const D3 n = as_double(m.normal);
     const double along = separation_along(a, b, n);
     if (b.kind == ShapeKind::capsule && a.kind != ShapeKind::plane) {
         if (m.count == 1 && !along_a_face(a, n)) return deepest - truth;
@@ -53,18 +53,19 @@ std::optional<double> separation_error(const Placed& a, const Placed& b, const M
             corner =
                 corner + b.axes[i] * ((m.points[k].feature >> i & 1u) != 0 ? b.half[static_cast<int>(i)]
                                                                            : -b.half[static_cast<int>(i)]);
-        return to_double(m.points[k].separation) - (dot(n, corner) - support(a, n));
+        return as_double(m.points[k].separation) - (dot(n, corner) - support(a, n));
     }
     return std::nullopt;
 }
 
 Comparison compare(ShapeKind kind_a, ShapeKind kind_b, double size_min, double size_max) {
     Comparison c;
-    Random random(0x51ab1e + static_cast<std::uint64_t>(kind_a) * 16 + static_cast<std::uint64_t>(kind_b));
+    RandomReal random(0x51ab1e + static_cast<std::uint64_t>(kind_a) * 16 +
+                      static_cast<std::uint64_t>(kind_b));
     for (c.poses = 0; c.poses < pose_count(); ++c.poses) {
         const Scene s = random_scene(random, kind_a, kind_b, size_min, size_max);
         const Manifold m = collide_geometries(s.a, s.b, s.pose, margin);
-        const std::string why = check_manifold(s.a, s.b, s.pose, to_double(margin), m);
+        const std::string why = check_manifold(s.a, s.b, s.pose, as_double(margin), m);
         if (!why.empty() && c.wrong++ == 0) c.first = "pose " + std::to_string(c.poses) + ": " + why;
         const Placed a = place_a(s.a), b = place_b(s.b, s.pose);
         const double truth = separation(a, b);
@@ -73,9 +74,9 @@ Comparison compare(ShapeKind kind_a, ShapeKind kind_b, double size_min, double s
         ++c.hits;
         double deepest = 16;
         for (std::uint32_t k = 0; k < m.count; ++k)
-            deepest = std::min(deepest, to_double(m.points[k].separation));
+            deepest = std::min(deepest, as_double(m.points[k].separation));
         if (deepest < -15.9) continue;
-        const double along = separation_along(a, b, to_double(m.normal));
+        const double along = separation_along(a, b, as_double(m.normal));
         const bool boxes = kind_a == ShapeKind::box && kind_b == ShapeKind::box;
         c.excess_max = std::max(c.excess_max, truth - (boxes ? along : deepest));
         if (const std::optional<double> error = separation_error(a, b, m, deepest, truth)) {
@@ -130,13 +131,13 @@ TEST_CASE("the manifold checker reports planted faults") {
          [](Manifold& m) { m.points[1].position += scale<Length>(m.normal, decimal<Length>("0.000001")); },
          2},
     };
-    Random random(99);
+    RandomReal random(99);
     for (int i = 0; i < 8000; ++i) {
         const Scene s =
             random_scene(random, ShapeKind::box, i % 2 == 0 ? ShapeKind::box : ShapeKind::sphere, 0.2, 1);
         const Manifold good = collide_geometries(s.a, s.b, s.pose, margin);
         const auto verdict = [&](const Manifold& m) {
-            return check_manifold(s.a, s.b, s.pose, to_double(margin), m);
+            return check_manifold(s.a, s.b, s.pose, as_double(margin), m);
         };
         REQUIRE(verdict(good).empty());
         const double truth = separation(place_a(s.a), place_b(s.b, s.pose));

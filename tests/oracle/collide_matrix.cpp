@@ -18,7 +18,7 @@ using namespace lockstone;
 
 namespace {
 
-const Length margin = quantize<Length>(0.02);
+const Length margin = as_fixed<Length>(0.02);
 
 /// The routines of plain spheres, capsules and boxes let points slide a little; collide_double.cpp judges them.
 bool has_own_routine(const Solid& s) {
@@ -31,7 +31,7 @@ bool has_own_routine(const Solid& s) {
 std::string judge_manifold(const ConvexScene& s, const DoubleCore& a, const DoubleCore& b, double truth,
                            const collide::Manifold& m) {
     std::ostringstream why;
-    const double tolerance = 3e-7 + 3 * core_tolerance(a, b), reach = to_double(margin),
+    const double tolerance = 3e-7 + 3 * core_tolerance(a, b), reach = as_double(margin),
                  radii = a.radius + b.radius;
     const bool smooth = a.is_smooth() || b.is_smooth();
     if (m.count == 0) {
@@ -39,7 +39,7 @@ std::string judge_manifold(const ConvexScene& s, const DoubleCore& a, const Doub
         return why.str();
     }
     if (truth > reach + tolerance) why << "a point for shapes " << truth << " apart; ";
-    const D3 n = to_double(m.normal);
+    const D3 n = as_double(m.normal);
     if (std::abs(norm(n) - 1) > 4e-9) why << "a normal of length " << norm(n) << "; ";
     const double along = separation_along(a, b, n) - radii, bias = 0.0005;
     const double slack =
@@ -48,21 +48,21 @@ std::string judge_manifold(const ConvexScene& s, const DoubleCore& a, const Doub
     if (!own && (along < truth - bias - slack || along > truth + slack))
         why << "along its normal " << along << ", truly " << truth << "; ";
     for (std::uint32_t k = 0; k < m.count && along > -15; ++k) {
-        const double separation = to_double(m.points[k].separation);
+        const double separation = as_double(m.points[k].separation);
         if (separation > reach + 1e-7) why << "point " << k << " beyond the margin: " << separation << "; ";
         if (separation < along - slack)
             why << "point " << k << " is " << separation << ", the shapes " << along << "; ";
         for (std::uint32_t l = 0; l < k; ++l)
             if (m.points[l].feature == m.points[k].feature)
                 why << "points " << l << " and " << k << " share a feature; ";
-        if (own || norm(to_double(m.points[k].position)) > 127) continue; // positions end at 128 m
-        const D3 p = to_double(m.points[k].position) + b.center;
+        if (own || norm(as_double(m.points[k].position)) > 127) continue; // positions end at 128 m
+        const D3 p = as_double(m.points[k].position) + b.center;
         const double off_a = a.outside(p - n * (separation / 2)) - a.radius,
                      off_b = b.outside(p + n * (separation / 2)) - b.radius;
         // A hull's facets become one face where that moves no corner by more than 2^-12 of its size.
         const auto faceted = [](const Solid& of) {
             if (of.hull == nullptr) return 0.0;
-            const D3 size = to_double(of.hull->extent.upper - of.hull->extent.lower);
+            const D3 size = as_double(of.hull->extent.upper - of.hull->extent.lower);
             return std::ldexp(std::max({size.x, size.y, size.z}), -12);
         };
         if (off_a > 1.5 * bias + slack + faceted(s.a) || off_b > 1.5 * bias + slack + faceted(s.b))
@@ -90,7 +90,7 @@ struct Pair {
     ConvexKind a, b;
     const HullPool& pool;
     FclHulls& fcl;
-    Random random;
+    RandomReal random;
     Tally tally{};
 
     Pair(ConvexKind first, ConvexKind second, const HullPool& hulls, FclHulls& of_fcl)
@@ -160,7 +160,7 @@ std::string Pair::judge_scene(const ConvexScene& s) {
     if (is_plane()) {
         const double truth = height_above_plane(second);
         ++(truth < 0 ? tally.overlaps : tally.apart);
-        return judge_plane(second, to_double(margin), manifold_of(s)) +
+        return judge_plane(second, as_double(margin), manifold_of(s)) +
                (s.is_ordinary ? compare_plane_with_fcl(s, second, truth) : "");
     }
     const CoreAnswer answer = ask(s.a, s.b, s.pose);
@@ -284,7 +284,7 @@ TEST_CASE("a wrong radius, a flipped normal and a lost corner are noticed") {
                       {"a point half a metre off", leave, shove},
                       {"no points", leave, [](collide::Manifold& m) { m.count = 0; }}};
     const HullPool pool(77);
-    Random random(0xfa17);
+    RandomReal random(0xfa17);
     constexpr ConvexKind others[] = {ConvexKind::round_hull, ConvexKind::hull, ConvexKind::box,
                                      ConvexKind::round_box};
     for (int i = 0; i < 1500; ++i) {
@@ -293,7 +293,7 @@ TEST_CASE("a wrong radius, a flipped normal and a lost corner are noticed") {
         const CoreAnswer answer = ask(good.a, good.b, good.pose);
         const double truth = answer.distance - a.radius - b.radius;
         if (truth > 0.019 || truth < -15 || std::abs(truth) < 0.003 ||
-            norm(to_double(manifold_of(good).points[0].position)) > 100)
+            norm(as_double(manifold_of(good).points[0].position)) > 100)
             continue;
         if (deep_slack(a, b, answer.distance) > 0) continue;
         REQUIRE(judge_manifold(good, a, b, truth, manifold_of(good)) == "");
@@ -332,19 +332,19 @@ TEST_CASE("a plane's wrong normal, depth, place and number of points are noticed
                   {"one point where there are more", [](collide::Manifold& m) { m.count = 1; }},
                   {"no points", [](collide::Manifold& m) { m.count = 0; }}};
     const HullPool pool(77);
-    Random random(0xfa18);
+    RandomReal random(0xfa18);
     int planted = 0;
     for (int i = 0; i < 3000; ++i) {
         const ConvexScene s = plane_scene(random, pool, ConvexKind::box, true);
         const DoubleCore b(s.b, s.pose);
         const collide::Manifold good = manifold_of(s);
         if (good.count != 4 || height_above_plane(b) > 0.009 || b.reach() > 0.4 || b.reach() < 0.02) continue;
-        REQUIRE(judge_plane(b, to_double(margin), good) == "");
+        REQUIRE(judge_plane(b, as_double(margin), good) == "");
         ++planted;
         for (auto& f : faults) {
             collide::Manifold m = good;
             f.spoil(m);
-            f.noticed += judge_plane(b, to_double(margin), m).empty() ? 0 : 1;
+            f.noticed += judge_plane(b, as_double(margin), m).empty() ? 0 : 1;
         }
     }
     CHECK(planted > 100);

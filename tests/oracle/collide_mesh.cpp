@@ -8,27 +8,27 @@
 
 using namespace lockstone;
 using namespace mesh_scenes;
-using oracle::Random;
-using oracle::to_double;
+using oracle::as_double;
+using oracle::RandomReal;
 
 namespace {
 
-const Length margin = quantize<Length>(0.02);
+const Length margin = as_fixed<Length>(0.02);
 constexpr double margin_m = 0.02;
 
 /// A convex core in double: its support mapping from the definition.
 struct DoubleConvex {
     DoubleConvex(const shapes::Solid& b, const collide::RelativePose& pose)
-        : kind(b.geometry.kind), radius(to_double(b.geometry.radius)),
-          half(to_double(b.geometry.half_extent)),
-          center(to_double(pose.position)), axes{to_double(pose.rotation.x), to_double(pose.rotation.y),
-                                                 to_double(pose.rotation.z)} {
+        : kind(b.geometry.kind), radius(as_double(b.geometry.radius)),
+          half(as_double(b.geometry.half_extent)),
+          center(as_double(pose.position)), axes{as_double(pose.rotation.x), as_double(pose.rotation.y),
+                                                 as_double(pose.rotation.z)} {
         if (kind == ShapeKind::hull)
-            for (const LengthVec3& v : b.hull->vertices) corners.push_back(place(to_double(v)));
+            for (const LengthVec3& v : b.hull->vertices) corners.push_back(place(as_double(v)));
     }
     explicit DoubleConvex(const shapes::Triangle& t)
-        : kind(ShapeKind::hull), corners{to_double(t.corner[0]), to_double(t.corner[1]),
-                                         to_double(t.corner[2])} {}
+        : kind(ShapeKind::hull), corners{as_double(t.corner[0]), as_double(t.corner[1]),
+                                         as_double(t.corner[2])} {}
 
     D3 support_point(D3 n) const {
         const D3 d{oracle::dot(axes[0], n), oracle::dot(axes[1], n), oracle::dot(axes[2], n)};
@@ -144,10 +144,10 @@ struct NearTriangle {
 
 bool is_slightly_bent(const shapes::Triangle& t) {
     for (std::uint32_t k = 0; k < 3; ++k) {
-        const D3 edge = to_double(t.corner[(k + 1) % 3]) - to_double(t.corner[k]);
-        D3 out = oracle::cross(edge, to_double(t.normal));
+        const D3 edge = as_double(t.corner[(k + 1) % 3]) - as_double(t.corner[k]);
+        D3 out = oracle::cross(edge, as_double(t.normal));
         out = out * (1 / oracle::norm(out));
-        if ((t.sharp >> k & 1u) == 0 && oracle::dot(out, to_double(t.beyond[k])) > 1e-6) return true;
+        if ((t.sharp >> k & 1u) == 0 && oracle::dot(out, as_double(t.beyond[k])) > 1e-6) return true;
     }
     return false;
 }
@@ -160,8 +160,8 @@ std::vector<NearTriangle> triangles_about(const shapes::Solid& solid, D3 at, dou
         for (int axis = 0; axis < 3; ++axis) {
             double low = 1e9, high = -1e9;
             for (const CoordinateVec3& c : t.corner) {
-                low = std::min(low, to_double(c[axis]));
-                high = std::max(high, to_double(c[axis]));
+                low = std::min(low, as_double(c[axis]));
+                high = std::max(high, as_double(c[axis]));
             }
             near = near && low < at[axis] + reach && high > at[axis] - reach;
         }
@@ -179,7 +179,7 @@ bool is_outside(const std::vector<NearTriangle>& triangles, D3 point) {
     for (const NearTriangle& t : triangles) {
         const double d = distance(t.core, core);
         const double above =
-            oracle::dot(to_double(t.triangle.normal), point - to_double(t.triangle.corner[0]));
+            oracle::dot(as_double(t.triangle.normal), point - as_double(t.triangle.corner[0]));
         if (d > least + 1e-9 || (d > least - 1e-9 && std::abs(above) < std::abs(height))) continue;
         least = d;
         height = above;
@@ -215,10 +215,10 @@ std::string check(const std::vector<NearTriangle>& triangles, const DoubleConvex
     for (std::uint32_t i = 0; i < m.count; ++i) {
         double own = 1;
         for (std::uint32_t k = 0; k < m.items[i].count; ++k)
-            own = std::min(own, to_double(m.items[i].points[k].separation));
+            own = std::min(own, as_double(m.items[i].points[k].separation));
         if (i > 0 && own < deepest - 1e-9) why << "not the deepest first; ";
         deepest = std::min(deepest, own);
-        const D3 n = to_double(m.items[i].normal);
+        const D3 n = as_double(m.items[i].normal);
         if (std::abs(oracle::norm(n) - 1) > 4e-9) why << "normal of length " << oracle::norm(n) << "; ";
         // Of triangles that are nearest up to the preferences any will do.
         for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -234,7 +234,7 @@ std::string check(const std::vector<NearTriangle>& triangles, const DoubleConvex
 }
 
 /// A closed surface about the origin whose radius varies; with twelve triangles to each of its poles.
-Soup boulder(Random& random, double size, double roughness) {
+Soup boulder(RandomReal& random, double size, double roughness) {
     constexpr int around = 12, rings = 5;
     std::vector<D3> points;
     const auto place = [&](double latitude, double longitude) {
@@ -262,8 +262,8 @@ Soup boulder(Random& random, double size, double roughness) {
     return s;
 }
 
-Geometry shape_of(Random& random, int kind, double size) {
-    const auto real = [](double x) { return quantize<Real>(x); };
+Geometry shape_of(RandomReal& random, int kind, double size) {
+    const auto real = [](double x) { return as_fixed<Real>(x); };
     const double x = random.uniform(0.3, 1), y = random.uniform(0.3, 1), z = random.uniform(0.3, 1);
     switch (kind) {
     case 0:
@@ -284,7 +284,7 @@ constexpr int kinds = 7;
 constexpr const char* kind_names[kinds] = {"sphere",   "capsule", "box", "rounded box",
                                            "cylinder", "cone",    "hull"};
 
-Owned solid_of(Random& random, int kind, double size) {
+Owned solid_of(RandomReal& random, int kind, double size) {
     if (kind < 6) return {nullptr, nullptr, primitive(shape_of(random, kind, size))};
     std::vector<LengthVec3> points;
     for (int i = 0; i < 14; ++i) points.push_back(to<Length>(real(random.vector(0.6 * size, size))));
@@ -300,7 +300,7 @@ struct Ground {
     D3 middle;
 };
 
-std::vector<Ground> grounds(Random& random) {
+std::vector<Ground> grounds(RandomReal& random) {
     std::vector<Ground> out;
     const auto rough = [&](double, double) { return random.uniform(-0.3, 0.3); };
     out.push_back({mesh(grid(-8, -8, 1, 16, 16, 0.2, 5, rough)), 4, {0, 0, 0}});
@@ -343,14 +343,14 @@ struct Placement {
                            [&](const NearTriangle& t) { return distance(t.core, core) > 1e-6; });
     }
 };
-Placement place(const Ground& ground, int kind, Random& random, double low, double high) {
+Placement place(const Ground& ground, int kind, RandomReal& random, double low, double high) {
     const std::uint32_t count = shapes::triangle_count(ground.owned.solid);
     D3 on, n;
     do {
         const shapes::Triangle t = shapes::triangle_at(ground.owned.solid, random.below(count));
         const double u = random.uniform(0, 1), v = random.uniform(0, 1 - u);
-        on = to_double(t.corner[0]) * (1 - u - v) + to_double(t.corner[1]) * u + to_double(t.corner[2]) * v;
-        n = to_double(t.normal);
+        on = as_double(t.corner[0]) * (1 - u - v) + as_double(t.corner[1]) * u + as_double(t.corner[2]) * v;
+        n = as_double(t.normal);
     } while (std::abs(on.x - ground.middle.x) > ground.size ||
              std::abs(on.z - ground.middle.z) > ground.size);
     const double size = random.log_uniform(0.05, 0.8);
@@ -372,7 +372,7 @@ Placement place(const Ground& ground, int kind, Random& random, double low, doub
 }
 
 /// Shapes whose cores are outside of the surface.
-Outcome run(const Ground& ground, int kind, int poses, Random& random, Damage damage = nullptr) {
+Outcome run(const Ground& ground, int kind, int poses, RandomReal& random, Damage damage = nullptr) {
     Outcome r;
     collide::NarrowScratch scratch;
     for (int tries = 0; r.poses < poses && tries < 50 * poses; ++tries) {
@@ -383,7 +383,7 @@ Outcome run(const Ground& ground, int kind, int poses, Random& random, Damage da
         collide::collide(ground.owned.solid, p.b.solid, p.pose, margin, scratch, m);
         if (damage != nullptr && m.count > 0) damage(m);
         double truth = 0;
-        const double inner = to_double(shapes::inner_radius(p.b.solid));
+        const double inner = as_double(shapes::inner_radius(p.b.solid));
         const std::string why = check(p.near, p.core, std::min(0.0005, inner / 64), p.reach, m, truth);
         r.hits += m.count > 0;
         if (!why.empty() && r.wrong++ == 0) {
@@ -397,7 +397,7 @@ Outcome run(const Ground& ground, int kind, int poses, Random& random, Damage da
 }
 
 /// Shapes whose cores cut the surface have to yield a point, no deeper than they are wide.
-Outcome run_overlapping(const Ground& ground, int kind, int poses, Random& random) {
+Outcome run_overlapping(const Ground& ground, int kind, int poses, RandomReal& random) {
     Outcome r;
     collide::NarrowScratch scratch;
     for (int tries = 0; r.poses < poses && tries < 50 * poses; ++tries) {
@@ -409,9 +409,9 @@ Outcome run_overlapping(const Ground& ground, int kind, int poses, Random& rando
         bool good = m.count > 0;
         for (std::uint32_t i = 0; i < m.count; ++i)
             for (std::uint32_t k = 0; k < m.items[i].count; ++k) {
-                const double s = to_double(m.items[i].points[k].separation);
+                const double s = as_double(m.items[i].points[k].separation);
                 good = good && s <= margin_m + 1e-6 && s > -2.5 * p.reach &&
-                       oracle::norm(to_double(m.items[i].points[k].position)) < 2 * p.reach;
+                       oracle::norm(as_double(m.items[i].points[k].position)) < 2 * p.reach;
             }
         r.hits += m.count > 0;
         if (!good && r.wrong++ == 0) {
@@ -429,7 +429,7 @@ int poses_each() { return std::getenv("LOCKSTONE_LONG") != nullptr ? 2500 : 60; 
 } // namespace
 
 TEST_CASE("contacts with meshes and height fields agree with every triangle in double") {
-    Random random(0x3e5);
+    RandomReal random(0x3e5);
     const std::vector<Ground> all = grounds(random);
     std::printf("triangles against double:\n  ground  shape         poses   hits  wrong\n");
     for (std::size_t g = 0; g < all.size(); ++g)
@@ -443,7 +443,7 @@ TEST_CASE("contacts with meshes and height fields agree with every triangle in d
 }
 
 TEST_CASE("shapes whose cores cut a mesh or height field always have a contact") {
-    Random random(0x3e7);
+    RandomReal random(0x3e7);
     const std::vector<Ground> all = grounds(random);
     for (std::size_t g = 0; g < all.size(); ++g)
         for (int kind = 1; kind < kinds; ++kind) { // a ball's core is a point
@@ -460,15 +460,15 @@ TEST_CASE("the comparison with every triangle reports planted faults") {
         [](collide::Manifolds& m) {
             for (std::uint32_t i = 0; i < m.count; ++i)
                 for (std::uint32_t k = 0; k < m.items[i].count; ++k)
-                    m.items[i].points[k].separation += quantize<Separation>(0.002);
+                    m.items[i].points[k].separation += as_fixed<Separation>(0.002);
         },
-        [](collide::Manifolds& m) { m.items[0].points[0].separation -= quantize<Separation>(0.002); },
+        [](collide::Manifolds& m) { m.items[0].points[0].separation -= as_fixed<Separation>(0.002); },
         [](collide::Manifolds& m) {
             for (std::uint32_t i = 0; i < m.count; ++i)
                 m.items[i].normal = normalized(UnitVec3{unit_one, unit_one, Unit{}});
         },
     };
-    Random random(0x3e6);
+    RandomReal random(0x3e6);
     const std::vector<Ground> all = grounds(random);
     for (const Damage fault : faults)
         for (const std::size_t g : {std::size_t{0}, std::size_t{3}}) {

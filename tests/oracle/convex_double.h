@@ -31,16 +31,16 @@ struct DoubleCore {
     std::span<const std::array<std::uint8_t, 3>> faces{}; ///< of a hull, which is kept by whoever has it
 
     DoubleCore(const Solid& s, const RelativePose& pose)
-        : kind(s.geometry.kind), radius(to_double(s.geometry.radius)),
-          center(to_double(pose.position)), axes{to_double(pose.rotation.x), to_double(pose.rotation.y),
-                                                 to_double(pose.rotation.z)},
-          half(to_double(s.geometry.half_extent)) {
+        : kind(s.geometry.kind), radius(as_double(s.geometry.radius)),
+          center(as_double(pose.position)), axes{as_double(pose.rotation.x), as_double(pose.rotation.y),
+                                                 as_double(pose.rotation.z)},
+          half(as_double(s.geometry.half_extent)) {
         if (kind == ShapeKind::hull) {
             points.reserve(s.hull->vertices.size());
-            for (const lockstone::LengthVec3& v : s.hull->vertices) points.push_back(place(to_double(v)));
+            for (const lockstone::LengthVec3& v : s.hull->vertices) points.push_back(place(as_double(v)));
             faces = s.hull->triangles;
         } else {
-            const double factor = to_double(s.geometry.scale.x);
+            const double factor = as_double(s.geometry.scale.x);
             radius *= factor;
             half = half * factor;
         }
@@ -175,7 +175,7 @@ class SeparationSearch {
         for (const auto& t : a.faces) consider_out_of(a, t, 1);
         for (const auto& t : b.faces) consider_out_of(b, t, -1);
     }
-    void search(Random& random, int spread, int tries) {
+    void search(RandomReal& random, int spread, int tries) {
         for (int k = 0; k < spread; ++k) consider(random.direction());
         for (double step = 0.3; step > 1e-7; step *= 0.6)
             for (int k = 0; k < tries; ++k) {
@@ -199,8 +199,8 @@ class SeparationSearch {
 /// Empty when the answer is right. Apart: a plane that far between the cores and two points of them that near to each
 /// other prove it. Overlapping: moving b along the normal by the depth parts them, and no direction that the search
 /// finds needs less.
-inline std::string judge(const DoubleCore& a, const DoubleCore& b, const CoreAnswer& answer, Random& random,
-                         int effort) {
+inline std::string judge(const DoubleCore& a, const DoubleCore& b, const CoreAnswer& answer,
+                         RandomReal& random, int effort) {
     std::ostringstream why;
     const double tolerance = core_tolerance(a, b);
     if (std::abs(norm(answer.normal) - 1) > 4e-9) why << "a normal of length " << norm(answer.normal) << "; ";

@@ -29,7 +29,7 @@ using FclShape = std::shared_ptr<fcl::CollisionGeometryd>;
 inline FclShape make_fcl_hull(const Solid& s) {
     auto vertices = std::make_shared<std::vector<fcl::Vector3d>>();
     for (const lockstone::LengthVec3& v : s.hull->vertices)
-        vertices->emplace_back(to_double(v.x), to_double(v.y), to_double(v.z));
+        vertices->emplace_back(as_double(v.x), as_double(v.y), as_double(v.z));
     auto faces = std::make_shared<std::vector<int>>();
     for (const auto& t : s.hull->triangles) faces->insert(faces->end(), {3, t[0], t[1], t[2]});
     return std::make_shared<fcl::Convexd>(vertices, static_cast<int>(s.hull->triangles.size()), faces);

@@ -7,7 +7,7 @@ namespace oracle {
 
 /// Both placed in the world and brought into the plane's frame as the engine does it. Designed: lying on a face, an edge
 /// or a corner or nearly so, touching to within little, of 5 mm to 800 m, far from the origin.
-inline ConvexScene plane_scene(Random& random, const HullPool& pool, ConvexKind kind, bool designed) {
+inline ConvexScene plane_scene(RandomReal& random, const HullPool& pool, ConvexKind kind, bool designed) {
     ConvexScene s{};
     s.is_ordinary = !designed || random.below(3) != 0;
     s.a = {lockstone::plane()};
@@ -23,14 +23,14 @@ inline ConvexScene plane_scene(Random& random, const HullPool& pool, ConvexKind 
         height = b.support({0, -1, 0}) + b.radius + gaps[random.below(8)];
     }
     using lockstone::Real;
-    const lockstone::Vec3 ground{quantize<Real>(random.uniform(-100, 100)),
-                                 quantize<Real>(random.uniform(-9, 9)),
+    const lockstone::Vec3 ground{as_fixed<Real>(random.uniform(-100, 100)),
+                                 as_fixed<Real>(random.uniform(-9, 9)),
                                  random.below(4) == 0 ? Real(9'000'000) : Real{}};
     const lockstone::Quat tilt =
         lockstone::normalized(random.rotation(0, random.below(2) == 0 ? 0 : 3.14159));
     const lockstone::UnitVec3 up = lockstone::to_rotation(tilt).y;
-    const D3 at = to_double(up) * height;
-    const lockstone::Vec3 above{quantize<Real>(at.x), quantize<Real>(at.y), quantize<Real>(at.z)};
+    const D3 at = as_double(up) * height;
+    const lockstone::Vec3 above{as_fixed<Real>(at.x), as_fixed<Real>(at.y), as_fixed<Real>(at.z)};
     s.pose = lockstone::collide::plane_relative_pose({ground, tilt}, {ground + above, tilt * turn});
     return s;
 }
@@ -89,13 +89,13 @@ inline std::string judge_plane(const DoubleCore& b, double margin, const Manifol
     double lowest = 1e300;
     std::vector<D3> points;
     for (std::uint32_t k = 0; k < m.count; ++k) {
-        const double separation = to_double(m.points[k].separation);
+        const double separation = as_double(m.points[k].separation);
         lowest = std::min(lowest, separation);
         if (separation > margin + 1e-7) why << "point " << k << " beyond the margin: " << separation << "; ";
         for (std::uint32_t l = 0; l < k; ++l)
             if (m.points[l].feature == m.points[k].feature)
                 why << "points " << l << " and " << k << " share a feature; ";
-        const D3 offset = to_double(m.points[k].position);
+        const D3 offset = as_double(m.points[k].position);
         if (truth < -15.9 || norm(offset) > 127) return why.str(); // where separations and positions end
         const D3 p = offset + b.center, on_b = p + D3{0, separation / 2, 0};
         points.push_back(on_b);

@@ -39,12 +39,12 @@ inline ShapeKind core_kind(ConvexKind kind) {
 class HullPool {
   public:
     explicit HullPool(std::uint64_t seed) {
-        Random random(seed);
+        RandomReal random(seed);
         for (int i = 0; hulls.size() < 48 && i < 4000; ++i) add(random, i);
     }
     const std::vector<Solid>& all() const { return hulls; }
     /// A hull of about the size, within a factor of 3 where there is one.
-    const Solid& pick(Random& random, double size) const {
+    const Solid& pick(RandomReal& random, double size) const {
         const Solid* best = nullptr;
         double least = 1e300;
         for (int k = 0; k < 6; ++k) {
@@ -56,7 +56,7 @@ class HullPool {
     }
 
   private:
-    void add(Random& random, int i) {
+    void add(RandomReal& random, int i) {
         const double size = random.log_uniform(0.01, 20);
         const int style = i % 6,
                   count = style == 5 ? 200 : 5 + static_cast<int>(random.below(i % 4 == 0 ? 40 : 12));
@@ -68,9 +68,9 @@ class HullPool {
             D3 p = style == 5 ? random.direction() : random.vector(0, 1);
             if (style == 3 || (style == 4 && random.below(3) != 0)) // corners of a cube
                 for (int axis = 0; axis < 3; ++axis) p[axis] = p[axis] < 0 ? -0.5 : 0.5;
-            points.push_back({quantize<lockstone::Length>(p.x * stretch.x * size),
-                              quantize<lockstone::Length>(p.y * stretch.y * size),
-                              quantize<lockstone::Length>(p.z * stretch.z * size)});
+            points.push_back({as_fixed<lockstone::Length>(p.x * stretch.x * size),
+                              as_fixed<lockstone::Length>(p.y * stretch.y * size),
+                              as_fixed<lockstone::Length>(p.z * stretch.z * size)});
         }
         const auto baked = lockstone::bake_hull(points);
         if (!baked) return;
@@ -91,8 +91,8 @@ struct ConvexScene {
     bool is_ordinary; ///< sizes within a factor of 100 of each other and of a metre: FCL is asked too
 };
 
-inline Solid random_solid(Random& random, const HullPool& pool, ConvexKind kind, double size) {
-    const auto real = [](double x) { return quantize<lockstone::Real>(std::clamp(x, 0.0025, 100.0)); };
+inline Solid random_solid(RandomReal& random, const HullPool& pool, ConvexKind kind, double size) {
+    const auto real = [](double x) { return as_fixed<lockstone::Real>(std::clamp(x, 0.0025, 100.0)); };
     const double thin = random.below(4) == 0 ? 0.01 : 0.2;
     const double x = random.log_uniform(thin, 1), y = random.log_uniform(thin, 1),
                  z = random.log_uniform(thin, 1);
@@ -126,7 +126,7 @@ inline Solid random_solid(Random& random, const HullPool& pool, ConvexKind kind,
 }
 
 /// A quarter turn or two about an axis, off by a little every other time; or any rotation.
-inline lockstone::Quat awkward_rotation(Random& random) {
+inline lockstone::Quat awkward_rotation(RandomReal& random) {
     const std::uint32_t style = random.below(4);
     if (style == 0) return lockstone::Quat::identity();
     if (style == 1) return lockstone::normalized(random.rotation(0, 3));
@@ -139,7 +139,7 @@ inline lockstone::Quat awkward_rotation(Random& random) {
 }
 
 /// Where the surfaces touch along a direction, or miss by a little.
-inline D3 touching_offset(Random& random, const ConvexScene& s, const lockstone::Quat& turn) {
+inline D3 touching_offset(RandomReal& random, const ConvexScene& s, const lockstone::Quat& turn) {
     const DoubleCore a(s.a), b(s.b, pose_of(turn, {0, 0, 0}));
     D3 n = random.direction();
     if (random.below(2) == 0) n = a.axes[random.below(3)] * (random.below(2) == 0 ? 1 : -1);
@@ -153,7 +153,7 @@ inline D3 touching_offset(Random& random, const ConvexScene& s, const lockstone:
     return offset;
 }
 
-inline ConvexScene random_scene(Random& random, const HullPool& pool, ConvexKind a, ConvexKind b) {
+inline ConvexScene random_scene(RandomReal& random, const HullPool& pool, ConvexKind a, ConvexKind b) {
     const double size = random.log_uniform(0.02, 4), other = size * random.log_uniform(0.1, 10);
     ConvexScene s{};
     s.a = random_solid(random, pool, a, size);
@@ -167,7 +167,7 @@ inline ConvexScene random_scene(Random& random, const HullPool& pool, ConvexKind
 }
 
 /// Aligned and nearly aligned poses, touching, coincident, deep, of sizes from 5 mm to 800 m, and far from the origin.
-inline ConvexScene designed_scene(Random& random, const HullPool& pool, ConvexKind a, ConvexKind b) {
+inline ConvexScene designed_scene(RandomReal& random, const HullPool& pool, ConvexKind a, ConvexKind b) {
     ConvexScene s{};
     s.is_ordinary = random.below(3) != 0;
     const double size = s.is_ordinary ? random.log_uniform(0.05, 4) : random.log_uniform(0.005, 800);
@@ -183,9 +183,9 @@ inline ConvexScene designed_scene(Random& random, const HullPool& pool, ConvexKi
     s.pose = pose_of(turn, offset);
     if (random.below(4) == 0) { // the same, 10,000 km from the origin of the world
         using lockstone::Real;
-        const lockstone::Vec3 far{Real(10'000'000), Real(-9'000'000), quantize<Real>(0.3)};
-        const lockstone::Vec3 between{quantize<Real>(offset.x), quantize<Real>(offset.y),
-                                      quantize<Real>(offset.z)};
+        const lockstone::Vec3 far{Real(10'000'000), Real(-9'000'000), as_fixed<Real>(0.3)};
+        const lockstone::Vec3 between{as_fixed<Real>(offset.x), as_fixed<Real>(offset.y),
+                                      as_fixed<Real>(offset.z)};
         s.pose = lockstone::collide::relative_pose({far, lockstone::Quat::identity()}, {far + between, turn});
     }
     return s;

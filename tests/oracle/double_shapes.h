@@ -21,7 +21,7 @@ using lockstone::ShapeKind;
 using lockstone::collide::Manifold;
 using lockstone::collide::RelativePose;
 
-template <lockstone::FixedPoint T> double to_double(T x) {
+template <lockstone::FixedPoint T> double as_double(T x) {
     return static_cast<double>(x.raw) / static_cast<double>(std::int64_t{1} << T::fraction_bits);
 }
 
@@ -36,8 +36,8 @@ struct D3 {
 inline double dot(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline D3 cross(D3 a, D3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline double norm(D3 a) { return std::sqrt(dot(a, a)); }
-template <lockstone::FixedPoint T> D3 to_double(const lockstone::Vector3<T>& v) {
-    return {to_double(v.x), to_double(v.y), to_double(v.z)};
+template <lockstone::FixedPoint T> D3 as_double(const lockstone::Vector3<T>& v) {
+    return {as_double(v.x), as_double(v.y), as_double(v.z)};
 }
 
 /// A shape placed in A's frame: centre and three axes.
@@ -54,17 +54,17 @@ struct Placed {
 };
 inline Placed place_a(const Geometry& g) {
     return {g.kind,
-            to_double(g.radius),
-            to_double(g.half_extent),
+            as_double(g.radius),
+            as_double(g.half_extent),
             {0, 0, 0},
             {D3{1, 0, 0}, D3{0, 1, 0}, D3{0, 0, 1}}};
 }
 inline Placed place_b(const Geometry& g, const RelativePose& p) {
     return {g.kind,
-            to_double(g.radius),
-            to_double(g.half_extent),
-            to_double(p.position),
-            {to_double(p.rotation.x), to_double(p.rotation.y), to_double(p.rotation.z)}};
+            as_double(g.radius),
+            as_double(g.half_extent),
+            as_double(p.position),
+            {as_double(p.rotation.x), as_double(p.rotation.y), as_double(p.rotation.z)}};
 }
 
 /// The greatest n . x over the shape; infinite for a plane that n does not point out of.
@@ -235,7 +235,7 @@ inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const 
         return why.str();
     }
     if (truth > margin + length_tolerance) why << "a point for shapes " << truth << " apart; ";
-    const D3 n = to_double(m.normal);
+    const D3 n = as_double(m.normal);
     if (std::abs(norm(n) - 1) > t.normal) why << "normal of length " << norm(n) << "; ";
     double along = separation_along(a, b, n), deepest = margin + 1;
     if (ga.kind == ShapeKind::box && gb.kind == ShapeKind::box) {
@@ -244,18 +244,18 @@ inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const 
     } else { // a capsule may hang past the side of a face: what counts is its deepest point
         along = truth - slack;
         for (std::uint32_t k = 0; k < std::min(m.count, 4u); ++k)
-            deepest = std::min(deepest, to_double(m.points[k].separation));
+            deepest = std::min(deepest, as_double(m.points[k].separation));
         if (std::abs(deepest - truth) > slack + length_tolerance && truth > -15.9)
             why << "the deepest point is " << deepest << ", the true separation " << truth << "; ";
     }
     for (std::uint32_t k = 0; k < std::min(m.count, 4u); ++k) {
-        const double s = to_double(m.points[k].separation);
+        const double s = as_double(m.points[k].separation);
         if (s > margin + length_tolerance) why << "point " << k << " is beyond the margin: " << s << "; ";
         // Deep overlaps are clamped to the range of Separation.
         if (s < along - length_tolerance - 1e-9 && s > -15.9)
             why << "point " << k << " is deeper (" << s << ") than the shapes (" << along << "); ";
         if (s < -15.9) continue;
-        const D3 p = to_double(m.points[k].position) + b.center;
+        const D3 p = as_double(m.points[k].position) + b.center;
         for (std::uint32_t l = 0; l < k; ++l)
             if (m.points[l].feature == m.points[k].feature)
                 why << "points " << l << " and " << k << " share a feature; ";
@@ -265,21 +265,21 @@ inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const 
     return why.str();
 }
 
-template <lockstone::FixedPoint T> T quantize(double x) {
+template <lockstone::FixedPoint T> T as_fixed(double x) {
     return T::from_raw(static_cast<typename T::rep>(std::llround(std::ldexp(x, T::fraction_bits))));
 }
 inline lockstone::Quat quat_of(D3 axis, double angle) {
     using lockstone::Unit;
     const D3 v = axis * std::sin(angle / 2);
-    const auto q = [](double x) { return quantize<Unit>(x); };
+    const auto q = [](double x) { return as_fixed<Unit>(x); };
     return {q(v.x), q(v.y), q(v.z), q(std::cos(angle / 2))};
 }
 /// A small generator of its own, so that scenes are the same everywhere.
-class Random {
+class RandomReal {
     std::uint64_t state;
 
   public:
-    explicit Random(std::uint64_t seed) : state(seed) {}
+    explicit RandomReal(std::uint64_t seed) : state(seed) {}
     std::uint64_t bits() { // SplitMix64
         std::uint64_t z = (state += 0x9e3779b97f4a7c15u);
         z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -312,8 +312,8 @@ class Random {
 inline RelativePose pose_of(lockstone::Quat q, D3 position) {
     using lockstone::Coordinate;
     return {lockstone::to_rotation(q),
-            {quantize<Coordinate>(position.x), quantize<Coordinate>(position.y),
-             quantize<Coordinate>(position.z)}};
+            {as_fixed<Coordinate>(position.x), as_fixed<Coordinate>(position.y),
+             as_fixed<Coordinate>(position.z)}};
 }
 
 /// A pair of shapes and how one lies to the other.
@@ -322,8 +322,8 @@ struct Scene {
     RelativePose pose;
 };
 
-inline Geometry random_shape(Random& random, ShapeKind kind, double size) {
-    const auto real = [](double x) { return quantize<lockstone::Real>(x); };
+inline Geometry random_shape(RandomReal& random, ShapeKind kind, double size) {
+    const auto real = [](double x) { return as_fixed<lockstone::Real>(x); };
     const double x = random.uniform(0.2, 1), y = random.uniform(0.2, 1), z = random.uniform(0.2, 1);
     switch (kind) {
     case ShapeKind::sphere:
@@ -338,7 +338,7 @@ inline Geometry random_shape(Random& random, ShapeKind kind, double size) {
 }
 
 /// Random, axis-aligned and nearly aligned orientations in turn; about two thirds of the poses touch.
-inline Scene random_scene(Random& random, ShapeKind kind_a, ShapeKind kind_b, double size_min,
+inline Scene random_scene(RandomReal& random, ShapeKind kind_a, ShapeKind kind_b, double size_min,
                           double size_max) {
     Scene s{};
     const double size_a = random.log_uniform(size_min, size_max);
@@ -359,8 +359,8 @@ inline Scene random_scene(Random& random, ShapeKind kind_a, ShapeKind kind_b, do
             axis = axis * (1 / norm(axis));
         }
     }
-    const double reaches = to_double(s.a.radius) + norm(to_double(s.a.half_extent)) + to_double(s.b.radius) +
-                           norm(to_double(s.b.half_extent));
+    const double reaches = as_double(s.a.radius) + norm(as_double(s.a.half_extent)) + as_double(s.b.radius) +
+                           norm(as_double(s.b.half_extent));
     D3 offset = random.vector(0, 1.2 * reaches);
     if (kind_a == ShapeKind::plane) offset = {0, random.uniform(-0.5, 1) * reaches, 0};
     s.pose = pose_of(quat_of(axis, angle), offset);

@@ -11,8 +11,8 @@
 
 namespace mesh_scenes {
 
+using oracle::as_fixed;
 using oracle::D3;
-using oracle::quantize;
 
 /// A solid and what keeps it alive.
 struct Owned {
@@ -35,7 +35,7 @@ inline Owned own(lockstone::AssetLibrary&& made, lockstone::AssetId id,
 }
 
 inline lockstone::Vec3 real(D3 p) {
-    return {quantize<lockstone::Real>(p.x), quantize<lockstone::Real>(p.y), quantize<lockstone::Real>(p.z)};
+    return {as_fixed<lockstone::Real>(p.x), as_fixed<lockstone::Real>(p.y), as_fixed<lockstone::Real>(p.z)};
 }
 
 struct Soup {
@@ -70,12 +70,12 @@ Owned height_field(std::uint32_t columns, std::uint32_t rows, double spacing, He
     std::vector<lockstone::Length> heights;
     for (std::uint32_t row = 0; row < rows; ++row)
         for (std::uint32_t column = 0; column < columns; ++column)
-            heights.push_back(quantize<lockstone::Length>(height(column, row)));
+            heights.push_back(as_fixed<lockstone::Length>(height(column, row)));
     lockstone::AssetLibrary library;
     const lockstone::Result<lockstone::AssetId> id =
         library.add(lockstone::bake_height_field({.columns = columns,
                                                   .rows = rows,
-                                                  .spacing = quantize<lockstone::Length>(spacing),
+                                                  .spacing = as_fixed<lockstone::Length>(spacing),
                                                   .heights = heights}));
     if (!id) FAIL(id.error().message);
     return own(std::move(library), *id);
@@ -92,7 +92,7 @@ inline lockstone::shapes::Solid primitive(const lockstone::Geometry& geometry) {
 template <class Height>
 Soup grid(double left, double front, double cell, int columns, int rows, double jitter, std::uint64_t seed,
           Height&& height) {
-    oracle::Random random(seed);
+    oracle::RandomReal random(seed);
     Soup soup;
     const auto at = [&](int c, int r) { return static_cast<std::uint32_t>(r * (columns + 1) + c); };
     for (int r = 0; r <= rows; ++r)
@@ -118,8 +118,8 @@ Soup grid(double left, double front, double cell, int columns, int rows, double 
 inline lockstone::collide::RelativePose pose_at(D3 position, lockstone::Quat rotation) {
     using lockstone::Coordinate;
     return {lockstone::to_rotation(rotation),
-            {quantize<Coordinate>(position.x), quantize<Coordinate>(position.y),
-             quantize<Coordinate>(position.z)}};
+            {as_fixed<Coordinate>(position.x), as_fixed<Coordinate>(position.y),
+             as_fixed<Coordinate>(position.z)}};
 }
 
 } // namespace mesh_scenes

@@ -128,7 +128,7 @@ class Arena : public Simulation {
 
 /// Held for a while, as players do: changes every few ticks, differently for each player.
 inline Pad scripted_pad(std::uint32_t player, std::uint64_t tick) {
-    test::Random random((tick + player * 3) / 9 * 64 + player + 1);
+    test::SplitMix random((tick + player * 3) / 9 * 64 + player + 1);
     return {static_cast<std::int16_t>(random.next()), static_cast<std::uint16_t>(random.below(4))};
 }
 

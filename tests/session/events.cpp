@@ -36,7 +36,7 @@ std::string tell(EventLedger& ledger, std::uint64_t confirmed_end) {
 
 /// Runs random timelines through a ledger and the law; `spoil` may drop what is told.
 template <class Spoil> bool law_holds(std::uint64_t seed, Spoil&& spoil) {
-    test::Random random(seed);
+    test::SplitMix random(seed);
     EventLedger ledger(16);
     EventLaw law;
     std::vector<SessionEvent> told;

@@ -300,7 +300,7 @@ TEST_CASE("whoever never answers is asked some times, and the report says that i
 }
 
 TEST_CASE("no answer of any bytes breaks an inspection, nor lets it take more than 64 kB") {
-    test::Random random(5);
+    test::SplitMix random(5);
     std::size_t complete = 0;
     for (int i = 0; i < 2000; ++i) {
         session::Inspection inspection = inspection_of(sample_state(1));

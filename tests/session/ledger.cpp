@@ -41,14 +41,14 @@ class Stick {
     }
 
   private:
-    test::Random random;
+    test::SplitMix random;
     std::uint32_t stroke, rest_least, at = 0, rest = 0;
     std::int32_t from = 128, to = 128;
 };
 
 /// Two bytes: eight directions, held for 12 to 36 ticks, and twelve buttons, one of which goes down or up every 6 to 18.
 Bytes button_input(std::uint64_t seed, std::uint64_t ticks, std::vector<Bytes>& out) {
-    test::Random random(seed);
+    test::SplitMix random(seed);
     std::uint32_t directions = 0, buttons = 0;
     std::uint64_t turn_at = 0, press_at = 0;
     for (std::uint64_t t = 0; t < ticks; ++t) {
@@ -154,7 +154,7 @@ class CountingTransport final : public Transport {
     const std::vector<Bytes>& inputs;
     bool loses, in_burst = false;
     Ledger& ledger;
-    test::Random random;
+    test::SplitMix random;
     PacketWriter writer;
 };
 

@@ -19,18 +19,14 @@ inline constexpr bool is_sanitized = false;
 /// LOCKSTONE_LONG=1 in the environment: everything, everywhere.
 inline bool is_long_run() { return std::getenv("LOCKSTONE_LONG") != nullptr; }
 
-/// LOCKSTONE_SAMPLE=1 in the environment: sanitizers take a smaller sample, as tests/run without an option does.
-inline bool is_small_sample() {
-    return is_sanitized && !is_long_run() && std::getenv("LOCKSTONE_SAMPLE") != nullptr;
-}
-
 /// For doctest::skip: a search over numbers, or a long motion, whose code shorter tests run as well.
 inline bool is_too_long_here() { return is_sanitized && !is_long_run(); }
 
-/// Number of tries: all of them, an eighth of them under a sanitizer, a 32nd in its small sample.
-inline int tries(int whole) {
-    const int part = is_small_sample() ? 32 : is_too_long_here() ? 8 : 1;
-    return (whole + part - 1) / part;
-}
+/// For doctest::skip, with LOCKSTONE_SAMPLE=1 in the environment, as tests/run without an option sets it: also of a sanitized test that takes longer
+/// than 4 seconds and whose code other tests run.
+inline bool is_small_sample() { return is_too_long_here() && std::getenv("LOCKSTONE_SAMPLE") != nullptr; }
+
+/// Number of tries: all of them, or an eighth under a sanitizer.
+inline int tries(int whole) { return is_too_long_here() ? (whole + 7) / 8 : whole; }
 
 } // namespace lockstone::test

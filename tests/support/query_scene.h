@@ -16,7 +16,7 @@ struct Assets {
     AssetId hull, mesh, field, compound;
 
     Assets() {
-        Random random(5);
+        RandomPoint random(5);
         std::vector<LengthVec3> points;
         for (int i = 0; i < 24; ++i) {
             const D3 p = random.point(0.5, -0.5, 0.5);
@@ -88,7 +88,7 @@ inline World crowd(const Assets& assets, int count, const std::vector<int>& orde
         {.geometry = instance(ShapeKind::height_field, assets.field)});
     for (int k = 0; k < count; ++k) {
         const int i = order.empty() ? k : order[static_cast<std::size_t>(k)];
-        Random random(static_cast<std::uint64_t>(i) + 100);
+        RandomPoint random(static_cast<std::uint64_t>(i) + 100);
         add(w,
             {.kind = i % 11 == 10 ? BodyKind::kinematic : BodyKind::dynamic,
              .pose = {vec3(random.point(12, 1, 10)), random.rotation()},
@@ -121,7 +121,7 @@ struct Answers {
     friend bool operator==(const Answers&, const Answers&) = default;
 };
 
-inline Ray random_ray(Random& random) {
+inline Ray random_ray(RandomPoint& random) {
     const D3 from = random.point(14, -2, 12), to = random.point(14, -4, 12);
     const double far = random(0, 1) < 0.2 ? 500 : 1;
     return {vec3(from), vec3(far * (to - from))};
@@ -129,7 +129,7 @@ inline Ray random_ray(Random& random) {
 
 /// `count` random questions of all kinds.
 inline Answers ask(const World& w, const Assets& assets, std::uint64_t seed, int count) {
-    Random random(seed);
+    RandomPoint random(seed);
     Answers answers;
     std::vector<QueryHit> hits;
     std::vector<ShapeId> shapes;

@@ -8,9 +8,9 @@
 
 namespace lockstone::test::scene {
 
-struct Random {
+struct RandomPoint {
     std::mt19937_64 engine;
-    explicit Random(std::uint64_t seed) : engine(seed) {}
+    explicit RandomPoint(std::uint64_t seed) : engine(seed) {}
 
     double operator()(double low, double high) {
         return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;

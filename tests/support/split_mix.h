@@ -5,9 +5,9 @@
 
 namespace lockstone::test {
 
-class Random {
+class SplitMix {
   public:
-    explicit Random(std::uint64_t seed) : state(seed) {}
+    explicit SplitMix(std::uint64_t seed) : state(seed) {}
     std::uint64_t next() {
         std::uint64_t z = state += 0x9e3779b97f4a7c15u;
         z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

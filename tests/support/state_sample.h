@@ -87,7 +87,7 @@ inline Sample make_sample(std::uint32_t body_capacity = 8, std::uint32_t contact
 }
 
 /// Fills all live rows with random bytes.
-inline void scramble(State& state, Random& random) {
+inline void scramble(State& state, SplitMix& random) {
     for (std::uint32_t column = 0; column < state.layout().columns().size(); ++column)
         for (std::byte& byte : state.edit_bytes(column)) byte = static_cast<std::byte>(random.next() & 255u);
 }
@@ -96,7 +96,7 @@ inline void scramble(State& state, Random& random) {
 inline State random_state(const Sample& s, std::uint32_t bodies, std::uint32_t contacts, std::uint32_t tags,
                           std::uint64_t seed) {
     State state(s.layout);
-    Random random(seed);
+    SplitMix random(seed);
     state.resize(s.body, bodies);
     state.resize(s.contact, contacts);
     state.resize(s.tag, tags);
@@ -106,7 +106,7 @@ inline State random_state(const Sample& s, std::uint32_t bodies, std::uint32_t c
 
 /// Random counts within the capacities too.
 inline State random_state(const Sample& s, std::uint64_t seed) {
-    Random random(seed);
+    SplitMix random(seed);
     const std::uint32_t bodies = random.below(s.layout->tables()[s.body.index].capacity + 1);
     const std::uint32_t contacts = random.below(s.layout->tables()[s.contact.index].capacity + 1);
     const std::uint32_t tags = random.below(101);

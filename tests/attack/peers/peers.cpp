@@ -20,7 +20,7 @@ namespace {
 
 using session::Message;
 
-std::uint64_t any_number(test::Random& random, std::uint64_t near) {
+std::uint64_t any_number(test::SplitMix& random, std::uint64_t near) {
     switch (random.below(6)) {
     case 0:
         return 0;
@@ -36,7 +36,7 @@ std::uint64_t any_number(test::Random& random, std::uint64_t near) {
 }
 
 /// Some fields say something else. Inputs stay: a machine may press what it likes.
-void lie_in_fields(Message& m, std::uint32_t players, test::Random& random) {
+void lie_in_fields(Message& m, std::uint32_t players, test::SplitMix& random) {
     const std::uint32_t all = (1u << players) - 1, p = random.below(players);
     for (std::uint32_t lies = 1 + random.below(3); lies > 0; --lies) {
         switch (random.below(12)) {
@@ -84,7 +84,7 @@ void lie_in_fields(Message& m, std::uint32_t players, test::Random& random) {
 }
 
 std::vector<std::byte> with_other_bytes(std::span<const std::byte> from, std::uint32_t match,
-                                        test::Random& random) {
+                                        test::SplitMix& random) {
     std::vector<std::byte> packet(from.begin(), from.end());
     for (std::uint32_t changes = 1 + random.below(3); changes > 0; --changes) {
         const std::uint32_t at = random.below(static_cast<std::uint32_t>(packet.size()));
@@ -169,7 +169,7 @@ std::string stands_still(HostileMatch& h) {
 }
 
 std::string one_match(std::uint64_t seed, Fault fault, attack::Figures& figures) {
-    test::Random random(seed);
+    test::SplitMix random(seed);
     const std::uint32_t machines = 2 + random.below(3);
     const bool lockstep = random.below(4) == 0;
     HostileMatch h(machines, {.lockstep = lockstep,

@@ -14,7 +14,7 @@ using namespace lockstone::test;
 namespace {
 
 /// One small change somewhere in the bytes: a bit, a byte, an integer at the edge, a piece gone, doubled or new.
-void mutate(Bytes& bytes, Random& random) {
+void mutate(Bytes& bytes, SplitMix& random) {
     if (bytes.empty()) return;
     const auto size = static_cast<std::uint32_t>(bytes.size());
     const std::uint32_t at = random.below(size);
@@ -89,7 +89,7 @@ void judge(Bytes file, const Recording& original, Tally& tally, bool forged_star
 Tally attack(const Bytes& good, std::uint32_t type, int rounds, std::uint64_t seed) {
     const auto chunks = chunks_of(good);
     const Recording original = must(read(good));
-    Random random(seed);
+    SplitMix random(seed);
     Tally tally;
     for (int i = 0; i < rounds; ++i) {
         auto bad = chunks;
@@ -146,7 +146,7 @@ TEST_CASE("mutated keyframes, indexes and ends under good checksums are refused 
 TEST_CASE("inputs that were changed and packed anew diverge at their tick, unless the game ignores them") {
     const auto chunks = chunks_of(inputs_file());
     const Recording original = must(read(inputs_file()));
-    Random random(14);
+    SplitMix random(14);
     Tally tally;
     const int rounds = test::tries(300);
     for (int i = 0; i < rounds; ++i) {
@@ -186,7 +186,7 @@ TEST_CASE("a start whose image was forged with all its checksums and hashes is r
     const Recording original = must(read(good));
     const Bytes image = original.keyframe_image(0);
     State state(must(World::create(original.world_def(), original.schema())).state().layout_shared());
-    Random random(15);
+    SplitMix random(15);
     Tally tally;
     int loaded = 0;
     const int rounds = test::tries(1200);

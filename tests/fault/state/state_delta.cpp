@@ -105,7 +105,7 @@ TEST_CASE("every truncated delta is refused, sealed or not, and so is every byte
 }
 
 TEST_CASE("random bytes under a right head and checksum are refused or taken whole") {
-    Random random(3);
+    SplitMix random(3);
     for (int i = 0; i < 3000; ++i) {
         Bytes delta(pair().delta.begin(), pair().delta.begin() + 44);
         for (std::uint32_t n = random.below(200); n > 0; --n)

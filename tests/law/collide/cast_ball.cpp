@@ -39,10 +39,10 @@ struct Wanderer {
 
 /// Around a place.
 void wander(const Owned& ground, std::uint64_t seed, double place = 0) {
-    oracle::Random random(seed);
+    oracle::RandomReal random(seed);
     Wanderer w{ground};
     D3 at{place, 0, place};
-    const Length radius = quantize<Length>(0.35);
+    const Length radius = as_fixed<Length>(0.35);
     for (int i = 0; i < 400; ++i) {
         for (double* x : {&at.x, &at.z})
             *x = std::clamp(*x + random.uniform(-0.3, 0.3), place - 6, place + 6);
@@ -60,7 +60,7 @@ TEST_CASE("a ball meets the same triangles whatever was kept of its last cast") 
     wander(mesh(grid(-8, -8, 1, 16, 16, 0, 0, flat)), 1);
     wander(mesh(grid(-8, -8, 1, 16, 16, 0.3, 2, rough)), 2);
     wander(mesh(grid(-8, -8, 0.25, 64, 64, 0.3, 3, rough), true), 3); // more than are kept
-    const LengthVec3 scale{quantize<Length>(1.5), quantize<Length>(0.5), quantize<Length>(1.25)};
+    const LengthVec3 scale{as_fixed<Length>(1.5), as_fixed<Length>(0.5), as_fixed<Length>(1.25)};
     wander(mesh(grid(-8, -8, 1, 16, 16, 0.3, 4, rough), false, scale), 4);
     wander(height_field(33, 33, 0.5, [&](double x, double z) { return rough(x / 2, z / 2); }), 5, 8);
 }

@@ -7,8 +7,8 @@
 
 using namespace lockstone;
 using namespace lockstone::collide;
+using oracle::as_double;
 using oracle::D3;
-using oracle::to_double;
 
 namespace {
 
@@ -17,15 +17,15 @@ std::string check_bounds(const Bounds& bounds, const Geometry& g, const Transfor
                          int shift) {
     oracle::Placed s = oracle::place_a(g);
     const Rotation r = to_rotation(pose.rotation);
-    s.axes = {to_double(r.x), to_double(r.y), to_double(r.z)};
+    s.axes = {as_double(r.x), as_double(r.y), as_double(r.z)};
     const double step = std::ldexp(1.0, shift - 16), slack = 2 * step + 2e-6;
-    const D3 at = to_double(pose.position);
+    const D3 at = as_double(pose.position);
     for (int i = 0; i < 3; ++i) {
         D3 axis{0, 0, 0};
         axis[i] = 1;
         const double reach = oracle::support(s, axis) + margin;
-        const double over_high = std::ldexp(to_double(bounds.upper[i]), shift) - (at[i] + reach);
-        const double over_low = (at[i] - reach) - std::ldexp(to_double(bounds.lower[i]), shift);
+        const double over_high = std::ldexp(as_double(bounds.upper[i]), shift) - (at[i] + reach);
+        const double over_low = (at[i] - reach) - std::ldexp(as_double(bounds.lower[i]), shift);
         if (over_high < 0 || over_low < 0) return "too small on axis " + std::to_string(i);
         if (over_high > slack || over_low > slack) return "too large on axis " + std::to_string(i);
     }
@@ -36,17 +36,17 @@ std::string check_bounds(const Bounds& bounds, const Geometry& g, const Transfor
 
 TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is reported") {
     constexpr ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box};
-    oracle::Random random(21);
+    oracle::RandomReal random(21);
     for (int i = 0; i < 20000; ++i) {
         const Geometry g = oracle::random_shape(random, kinds[i % 3], random.log_uniform(0.0125, 60));
         const int shift = i % 5 == 0 ? static_cast<int>(random.below(9)) : 0;
-        const auto place = [&] { return oracle::quantize<Real>(random.uniform(-30000, 30000)); };
+        const auto place = [&] { return oracle::as_fixed<Real>(random.uniform(-30000, 30000)); };
         const Real x = place(), y = place(), z = place();
         const Transform pose{{x, y, z}, random.rotation(0, 3)};
-        const Length margin = oracle::quantize<Length>(random.uniform(0, 0.1));
+        const Length margin = oracle::as_fixed<Length>(random.uniform(0, 0.1));
         const Bounds good = bounds_of({g}, pose, margin, shift);
         const auto verdict = [&](const Bounds& b) {
-            return check_bounds(b, g, pose, to_double(margin), shift);
+            return check_bounds(b, g, pose, as_double(margin), shift);
         };
         REQUIRE(verdict(good) == "");
         if (g.kind == ShapeKind::sphere) {
@@ -87,16 +87,16 @@ void put(RoundBoxes& boxes, std::uint32_t at, Entry& e) {
 }
 
 /// Within 16 km, but for every seventh; one rotation in thirteen is none.
-Entry random_entry(oracle::Random& random, int i) {
+Entry random_entry(oracle::RandomReal& random, int i) {
     Entry e{};
     const double far = i % 7 == 0 ? 60000 : 16300;
     e.geometry = oracle::random_shape(random, i % 2 == 0 ? ShapeKind::capsule : ShapeKind::box,
                                       random.log_uniform(0.0125, 60));
     for (int k = 0; k < 3; ++k)
         e.pose.position[k] =
-            oracle::quantize<Real>(i % 3 == 0 ? random.uniform(-2, 2) : random.uniform(-far, far));
+            oracle::as_fixed<Real>(i % 3 == 0 ? random.uniform(-2, 2) : random.uniform(-far, far));
     e.pose.rotation = i % 13 == 0 ? Quat{Unit{}, unit_one, unit_one, unit_one} : random.rotation(0, 3);
-    e.margin = oracle::quantize<Length>(random.uniform(0, 3));
+    e.margin = oracle::as_fixed<Length>(random.uniform(0, 3));
     return e;
 }
 
@@ -107,7 +107,7 @@ TEST_CASE("bounds and axes of many capsules and boxes are those of each, by ever
          {Simd::scalar, Simd::sse41, Simd::avx2, Simd::avx512, Simd::neon, Simd::wasm128}) {
         const solve::Kernels* kernels = solve::kernels_of(level);
         if (kernels == nullptr) continue;
-        oracle::Random random(22);
+        oracle::RandomReal random(22);
         int done = 0, left_over = 0;
         for (int round = 0; round < 2000; ++round) {
             constexpr std::uint32_t lanes = RoundBoxes::lanes_max, count = 2 * lanes;

@@ -23,7 +23,7 @@ struct Crowd {
         Bounds bounds{};
     };
     std::vector<Member> members;
-    oracle::Random random;
+    oracle::RandomReal random;
     double room;
 
     Crowd(std::size_t count, double room_size, std::uint64_t seed)
@@ -37,7 +37,7 @@ struct Crowd {
         measure(m);
     }
     static void measure(Member& m) {
-        const auto bound = [](double v) { return oracle::quantize<Bound>(v); };
+        const auto bound = [](double v) { return oracle::as_fixed<Bound>(v); };
         const oracle::D3 at = m.at;
         const double s = m.size;
         m.bounds = {{bound(at.x - s), bound(at.y - s), bound(at.z - s)},
@@ -59,7 +59,7 @@ struct Crowd {
     }
     void set(BroadPhase& phase, std::uint32_t i) const {
         const Member& m = members[i];
-        const auto way = [](double v) { return oracle::quantize<Bound>(v); };
+        const auto way = [](double v) { return oracle::as_fixed<Bound>(v); };
         const bool is_known = i % 2 == 0; // where it goes
         if (!m.present)
             phase.remove(i);
@@ -96,7 +96,7 @@ std::string check_pairs(const std::vector<ProxyPair>& found, const std::vector<P
 TEST_CASE("three histories of one moving crowd yield the brute-force pairs in every frame") {
     constexpr std::uint32_t count = 300;
     Crowd crowd(count, 7, 1);
-    oracle::Random random(2);
+    oracle::RandomReal random(2);
     BroadPhase kept(count), rebuilt(count), restless(count, decimal<Bound>("0.5"));
     std::vector<ProxyPair> pairs;
     std::vector<std::uint32_t> order(count);
@@ -168,7 +168,7 @@ TEST_CASE("a tree that drops a pair, adds one or forgets the order is reported")
 TEST_CASE("of a crowd the first pairs are found, whatever was found or given up before") {
     constexpr std::uint32_t count = 300;
     Crowd crowd(count, 3, 7);
-    oracle::Random random(8);
+    oracle::RandomReal random(8);
     BroadPhase kept(count);
     std::vector<ProxyPair> pairs;
     const auto is_wanted = [](ProxyPair p) { return (p.a + p.b) % 3 != 0; };
@@ -196,7 +196,7 @@ TEST_CASE("of a crowd the first pairs are found, whatever was found or given up 
 TEST_CASE("a filter is remembered until it is another, and then asked about all pairs again") {
     constexpr std::uint32_t count = 200;
     Crowd crowd(count, 5, 9);
-    oracle::Random random(10);
+    oracle::RandomReal random(10);
     BroadPhase kept(count);
     std::vector<ProxyPair> pairs;
     std::uint32_t apart = 2;

@@ -8,12 +8,12 @@
 
 using namespace lockstone;
 using namespace mesh_scenes;
+using oracle::as_double;
 using oracle::quat_of;
-using oracle::to_double;
 
 namespace {
 
-const Length margin = quantize<Length>(0.02);
+const Length margin = as_fixed<Length>(0.02);
 
 struct Part {
     Geometry geometry;
@@ -46,14 +46,14 @@ std::vector<Contact> contacts_of(const collide::Manifolds& m, D3 origin) {
     std::vector<Contact> out;
     for (std::uint32_t i = 0; i < m.count; ++i)
         for (std::uint32_t k = 0; k < m.items[i].count; ++k)
-            out.push_back({to_double(m.items[i].normal), to_double(m.items[i].points[k].position) + origin,
-                           to_double(m.items[i].points[k].separation)});
+            out.push_back({as_double(m.items[i].normal), as_double(m.items[i].points[k].position) + origin,
+                           as_double(m.items[i].points[k].separation)});
     return out;
 }
 
 D3 turned(Quat q, D3 v) {
     const Rotation r = to_rotation(q);
-    return to_double(r.x) * v.x + to_double(r.y) * v.y + to_double(r.z) * v.z;
+    return as_double(r.x) * v.x + as_double(r.y) * v.y + as_double(r.z) * v.z;
 }
 
 /// Whether every contact of `some` is among `all`, up to roundings.
@@ -113,7 +113,7 @@ std::vector<Contact> part_by_part(const shapes::Solid& a, const std::vector<Part
 /// How many of `poses` random places give contacts that are not those of the parts; `shift` plants a fault.
 int wrong_places(const shapes::Solid& a, double height, std::uint64_t seed, double shift, int& hits) {
     const Owned b = compound(table());
-    oracle::Random random(seed);
+    oracle::RandomReal random(seed);
     int wrong = 0;
     for (int i = 0; i < 300; ++i) {
         const Quat q =
@@ -152,8 +152,8 @@ TEST_CASE("a table of a compound stands on a plane and on a mesh with its four l
         CHECK(m.items[0].count == 4);
         double reach = 0;
         for (std::uint32_t k = 0; k < m.items[0].count; ++k) {
-            CHECK(std::abs(to_double(m.items[0].points[k].separation)) < 1e-6);
-            const D3 p = to_double(m.items[0].points[k].position);
+            CHECK(std::abs(as_double(m.items[0].points[k].separation)) < 1e-6);
+            const D3 p = as_double(m.items[0].points[k].position);
             CHECK(std::abs(p.y + 0.85) < 1e-6);
             reach += std::hypot(p.x, p.z);
         }
@@ -181,7 +181,7 @@ TEST_CASE("a compound of one box is that box") {
     const D3 place{0.3, -0.2, 0.5};
     const Geometry brick = box(0.4_r, 0.3_r, 0.5_r);
     const Owned single = compound({{brick, place, part_turn}});
-    oracle::Random random(21);
+    oracle::RandomReal random(21);
     int hits = 0;
     for (int i = 0; i < 500; ++i) {
         const Geometry other = i % 3 == 0   ? sphere(0.3_r)
@@ -235,7 +235,7 @@ TEST_CASE("two compounds meet as their parts do, whichever kind is the greater")
 }
 
 TEST_CASE("a ray meets of a compound what it meets first of its parts, in any number of them") {
-    oracle::Random random(77);
+    oracle::RandomReal random(77);
     for (const std::size_t count : {1u, 8u, 9u, 70u, 600u}) {
         std::vector<Part> parts;
         std::vector<Owned> single;

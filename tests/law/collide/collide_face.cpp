@@ -14,8 +14,8 @@
 
 using namespace lockstone;
 using namespace lockstone::collide;
+using oracle::as_fixed;
 using oracle::D3;
-using oracle::quantize;
 
 namespace {
 
@@ -25,19 +25,19 @@ shapes::Solid hull_of(AssetLibrary& library, const std::vector<LengthVec3>& poin
 }
 
 /// Corners on a ball [m]; of a block, each corner of which is as far along some directions as another.
-shapes::Solid stone(AssetLibrary& library, oracle::Random& random, std::uint32_t corners, double size) {
+shapes::Solid stone(AssetLibrary& library, oracle::RandomReal& random, std::uint32_t corners, double size) {
     std::vector<LengthVec3> points;
     for (std::uint32_t i = 0; i < corners; ++i) {
         const D3 d = random.direction();
         points.push_back(
-            {quantize<Length>(size * d.x), quantize<Length>(size * d.y), quantize<Length>(size * d.z)});
+            {as_fixed<Length>(size * d.x), as_fixed<Length>(size * d.y), as_fixed<Length>(size * d.z)});
     }
     return hull_of(library, points);
 }
 shapes::Solid block(AssetLibrary& library, double size) {
     std::vector<LengthVec3> points;
     for (int i = 0; i < 8; ++i) {
-        const auto side = [&](int axis) { return quantize<Length>((i >> axis & 1) != 0 ? size : -size); };
+        const auto side = [&](int axis) { return as_fixed<Length>((i >> axis & 1) != 0 ? size : -size); };
         points.push_back({side(0), side(1), side(2)});
     }
     return hull_of(library, points);
@@ -68,7 +68,7 @@ std::uint32_t furthest_of(const shapes::Hull& hull, const std::int32_t (&n)[3]) 
 
 TEST_CASE("every instruction set finds the same corner of a hull, and how far it reaches") {
     AssetLibrary library;
-    oracle::Random random(31);
+    oracle::RandomReal random(31);
     std::vector<shapes::Solid> solids{block(library, 0.5), block(library, 99.9)};
     for (std::uint32_t corners = 4; corners <= 40; corners += 3)
         solids.push_back(stone(library, random, corners, corners % 2 == 0 ? 0.4 : 90));
@@ -80,9 +80,9 @@ TEST_CASE("every instruction set finds the same corner of a hull, and how far it
             std::int32_t rows[3][3];
             for (auto& row : rows) {
                 const D3 d = random.direction();
-                row[0] = quantize<Unit>(d.x).raw, row[1] = quantize<Unit>(d.y).raw,
+                row[0] = as_fixed<Unit>(d.x).raw, row[1] = as_fixed<Unit>(d.y).raw,
                 row[2] =
-                    random.below(3) == 0 ? 0 : quantize<Unit>(d.z).raw; // of a block two corners are furthest
+                    random.below(3) == 0 ? 0 : as_fixed<Unit>(d.z).raw; // of a block two corners are furthest
                 ties += row[2] == 0;
             }
             for (const shapes::SupportKernel* kernel : all) {
@@ -189,26 +189,26 @@ class KeptManifolds {
         const D3 way = random.direction();
         rotation = random.rotation(0, 3);
         RelativePose pose{to_rotation(rotation), {}};
-        const UnitVec3 n{quantize<Unit>(way.x), quantize<Unit>(way.y), quantize<Unit>(way.z)};
+        const UnitVec3 n{as_fixed<Unit>(way.x), as_fixed<Unit>(way.y), as_fixed<Unit>(way.z)};
         const double gap =
             -static_cast<double>(separation(a, b, pose, n)) / (1 << 30) + random.uniform(-0.04, 0.02);
-        pose.position = {quantize<Coordinate>(way.x * gap), quantize<Coordinate>(way.y * gap),
-                         quantize<Coordinate>(way.z * gap)};
+        pose.position = {as_fixed<Coordinate>(way.x * gap), as_fixed<Coordinate>(way.y * gap),
+                         as_fixed<Coordinate>(way.z * gap)};
         return pose;
     }
     void move(RelativePose& pose) {
         const D3 step = random.direction(), axis = random.direction();
         const double by = random.uniform(0, 0.03), turn = random.uniform(0, 0.05);
-        pose.position += {quantize<Coordinate>(by * step.x), quantize<Coordinate>(by * step.y),
-                          quantize<Coordinate>(by * step.z)};
+        pose.position += {as_fixed<Coordinate>(by * step.x), as_fixed<Coordinate>(by * step.y),
+                          as_fixed<Coordinate>(by * step.z)};
         rotation =
-            integrate_rotation(rotation, Vec3{quantize<Real>(turn * axis.x), quantize<Real>(turn * axis.y),
-                                              quantize<Real>(turn * axis.z)});
+            integrate_rotation(rotation, Vec3{as_fixed<Real>(turn * axis.x), as_fixed<Real>(turn * axis.y),
+                                              as_fixed<Real>(turn * axis.z)});
         pose.rotation = to_rotation(rotation);
     }
 
     AssetLibrary library;
-    oracle::Random random{32};
+    oracle::RandomReal random{32};
     std::vector<shapes::Solid> solids;
     Quat rotation;
     NarrowScratch scratch;

@@ -12,17 +12,17 @@
 
 using namespace lockstone;
 using namespace lockstone::collide;
+using oracle::as_fixed;
 using oracle::D3;
-using oracle::quantize;
 
 namespace {
 
-shapes::Solid ball_hull(AssetLibrary& library, oracle::Random& random, double size) {
+shapes::Solid ball_hull(AssetLibrary& library, oracle::RandomReal& random, double size) {
     std::vector<LengthVec3> points;
     for (int i = 0; i < 30; ++i) {
         const D3 d = random.direction();
         points.push_back(
-            {quantize<Length>(size * d.x), quantize<Length>(size * d.y), quantize<Length>(size * d.z)});
+            {as_fixed<Length>(size * d.x), as_fixed<Length>(size * d.y), as_fixed<Length>(size * d.z)});
     }
     const AssetId id = library.add(bake_hull(points)).value();
     return {library.geometry(id).value(), library.find(id)->hull.get()};
@@ -36,7 +36,7 @@ bool same(const Manifolds& a, const Manifolds& b) {
 
 TEST_CASE("manifolds are the same with any hint") {
     AssetLibrary library;
-    oracle::Random random(11);
+    oracle::RandomReal random(11);
     const shapes::Solid all[] = {ball_hull(library, random, 0.5),
                                  ball_hull(library, random, 0.1),
                                  {cylinder(0.3_r, 0.4_r)},
@@ -53,11 +53,11 @@ TEST_CASE("manifolds are the same with any hint") {
         const D3 way = random.direction(), guess = random.direction();
         const double distance = random.uniform(0.05, 1.1);
         const RelativePose pose{to_rotation(random.rotation(0, 3)),
-                                {quantize<Coordinate>(way.x * distance),
-                                 quantize<Coordinate>(way.y * distance),
-                                 quantize<Coordinate>(way.z * distance)}};
+                                {as_fixed<Coordinate>(way.x * distance),
+                                 as_fixed<Coordinate>(way.y * distance),
+                                 as_fixed<Coordinate>(way.z * distance)}};
         collide::collide(a, b, pose, margin, scratch, plain);
-        const UnitVec3 hint{quantize<Unit>(guess.x), quantize<Unit>(guess.y), quantize<Unit>(guess.z)};
+        const UnitVec3 hint{as_fixed<Unit>(guess.x), as_fixed<Unit>(guess.y), as_fixed<Unit>(guess.z)};
         collide::collide(a, b, pose, margin, {hint, {}, 0}, scratch, hinted);
         REQUIRE(same(plain, hinted));
         if (plain.count != 0) {
@@ -82,7 +82,7 @@ namespace {
 /// Pairs of spheres, capsules, boxes and hulls of 4 cm to 10 m, which a direction may part: the one that parted them before they moved
 /// by up to 4 cm and turned by up to a hundredth.
 struct PartedPairs {
-    oracle::Random random{13};
+    oracle::RandomReal random{13};
     AssetLibrary library;
     std::vector<shapes::Solid> stones;
     NarrowScratch scratch;
@@ -101,7 +101,7 @@ struct PartedPairs {
     }
     Geometry primitive() {
         const double size = std::pow(10.0, random.uniform(-1.4, 0.7));
-        const auto length = [&] { return quantize<Real>(size * random.uniform(0.3, 1)); };
+        const auto length = [&] { return as_fixed<Real>(size * random.uniform(0.3, 1)); };
         switch (random.below(3)) {
         case 0:
             return sphere(length());
@@ -116,22 +116,22 @@ struct PartedPairs {
         shapes::Solid a = shape(), b = shape();
         if (a.geometry.kind < b.geometry.kind) std::swap(a, b);
         const D3 d = random.direction();
-        const double size = oracle::to_double(collide_reach(a)) + oracle::to_double(collide_reach(b)),
+        const double size = oracle::as_double(collide_reach(a)) + oracle::as_double(collide_reach(b)),
                      way = size * random.uniform(0.3, 1.1);
         Transform at_a{{1000_r, -7_r, 3_r}, random.rotation(0, 3)},
             at_b{at_a.position, random.rotation(0, 3)};
         at_b.position +=
-            Vec3{quantize<Real>(way * d.x), quantize<Real>(way * d.y), quantize<Real>(way * d.z)};
+            Vec3{as_fixed<Real>(way * d.x), as_fixed<Real>(way * d.y), as_fixed<Real>(way * d.z)};
         Manifolds before, after;
         collide::collide(a, b, relative_pose(at_a, at_b), reach, scratch, before);
         if (before.count != 0 || before.apart == UnitVec3{}) return;
         const D3 step = random.direction();
         const double moved = random.uniform(0, 0.04);
         at_b.position +=
-            {quantize<Real>(moved * step.x), quantize<Real>(moved * step.y), quantize<Real>(moved * step.z)};
-        at_b.rotation = integrate_rotation(at_b.rotation, Vec3{quantize<Real>(random.uniform(-0.01, 0.01)),
+            {as_fixed<Real>(moved * step.x), as_fixed<Real>(moved * step.y), as_fixed<Real>(moved * step.z)};
+        at_b.rotation = integrate_rotation(at_b.rotation, Vec3{as_fixed<Real>(random.uniform(-0.01, 0.01)),
                                                                {},
-                                                               quantize<Real>(random.uniform(-0.01, 0.01))});
+                                                               as_fixed<Real>(random.uniform(-0.01, 0.01))});
         const Rotation axes_a = to_rotation(at_a.rotation), axes_b = to_rotation(at_b.rotation);
         const bool is_parted =
             are_parted({a, axes_a, at_a.position}, {b, axes_b, at_b.position}, before.apart, margin);
@@ -178,7 +178,7 @@ TEST_CASE("margins up to the longest length part nothing that they reach") {
 
 TEST_CASE("what no direction is known to part is not parted") {
     AssetLibrary library;
-    oracle::Random random(14);
+    oracle::RandomReal random(14);
     const shapes::Solid stone = ball_hull(library, random, 0.1), ball{sphere(0.1_r)},
                         post{cylinder(0.1_r, 0.1_r)}, spike{cone(0.1_r, 0.1_r)},
                         large{scaled(box(1_r, 1_r, 1_r), 2_r)};
@@ -207,7 +207,7 @@ TEST_CASE("a hint does not part a ball from the box of 1240 m that it lies in") 
     const shapes::Solid ball{sphere(1_r)}, cliff{scaled(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
     const Unit third = decimal<Unit>("0.577350269");
     const auto points_at = [&](double metres) {
-        const Coordinate along = quantize<Coordinate>(metres * 0.577350269);
+        const Coordinate along = as_fixed<Coordinate>(metres * 0.577350269);
         NarrowScratch scratch;
         Manifolds out;
         collide::collide(cliff, ball, {Rotation::identity(), {along, along, along}}, decimal<Length>("0.02"),
@@ -220,10 +220,10 @@ TEST_CASE("a hint does not part a ball from the box of 1240 m that it lies in") 
 
 TEST_CASE("a hint that did settle the question by itself would be noticed") {
     AssetLibrary library;
-    oracle::Random random(12);
+    oracle::RandomReal random(12);
     const shapes::Solid stone = ball_hull(library, random, 0.5);
     const RelativePose touching{Rotation::identity(),
-                                {quantize<Coordinate>(0.8), Coordinate{}, Coordinate{}}};
+                                {as_fixed<Coordinate>(0.8), Coordinate{}, Coordinate{}}};
     const Convex a = convex_of(stone, Rotation::identity(), CoordinateVec3{}),
                  b = convex_of(stone, touching.rotation, touching.position);
     int wrong = 0;
@@ -231,7 +231,7 @@ TEST_CASE("a hint that did settle the question by itself would be noticed") {
         const D3 d = random.direction();
         // Planted: what the hint says when its sign is not looked at.
         const std::int64_t along = separation_along_30(
-            a, b, {quantize<Unit>(d.x).raw, quantize<Unit>(d.y).raw, quantize<Unit>(d.z).raw});
+            a, b, {as_fixed<Unit>(d.x).raw, as_fixed<Unit>(d.y).raw, as_fixed<Unit>(d.z).raw});
         wrong += (along < 0 ? -along : along) > std::int64_t{1} << 28;
     }
     CHECK(wrong > 0);

@@ -9,14 +9,14 @@
 
 using namespace lockstone;
 using namespace lockstone::collide;
+using oracle::as_double;
 using oracle::D3;
-using oracle::Random;
+using oracle::RandomReal;
 using oracle::ShapeKind;
-using oracle::to_double;
 
 namespace {
 
-const Length margin = oracle::quantize<Length>(0.02);
+const Length margin = oracle::as_fixed<Length>(0.02);
 
 Manifold manifold_of(const Geometry& a, const Geometry& b, const RelativePose& pose, Length reach = margin) {
     return oracle::collide_geometries(a, b, pose, reach);
@@ -24,7 +24,7 @@ Manifold manifold_of(const Geometry& a, const Geometry& b, const RelativePose& p
 
 double deepest(const Manifold& m) {
     double d = 100;
-    for (std::uint32_t k = 0; k < m.count; ++k) d = std::min(d, to_double(m.points[k].separation));
+    for (std::uint32_t k = 0; k < m.count; ++k) d = std::min(d, as_double(m.points[k].separation));
     return d;
 }
 
@@ -39,7 +39,7 @@ std::string check_symmetry(const RelativePose& pose, const Manifold& m, const Ma
     if ((m.count == 0) != (from_b.count == 0)) return "only one of them touches";
     if (m.count == 0) return {};
     if (std::abs(deepest(m) - deepest(from_b)) > tolerance) return "depths differ";
-    const D3 n = to_double(m.normal), other = to_double(mul<Unit>(pose.rotation, from_b.normal));
+    const D3 n = as_double(m.normal), other = as_double(mul<Unit>(pose.rotation, from_b.normal));
     if (norm(n + other) > angle) return "normals are not opposite";
     return {};
 }
@@ -50,8 +50,8 @@ std::string check_corners(const Manifold& m, double tolerance) {
         for (const double z : {-0.5, 0.5}) {
             double nearest = 100;
             for (std::uint32_t k = 0; k < m.count; ++k)
-                nearest = std::min(nearest, std::hypot(to_double(m.points[k].position.x) - x,
-                                                       to_double(m.points[k].position.z) - z));
+                nearest = std::min(nearest, std::hypot(as_double(m.points[k].position.x) - x,
+                                                       as_double(m.points[k].position.z) - z));
             if (nearest > tolerance)
                 return "no point within " + std::to_string(tolerance) + " m of a corner, but one at " +
                        std::to_string(nearest);
@@ -77,10 +77,10 @@ TEST_CASE("a box on a box touches with its four corners, each at its own separat
         CHECK(features(m).size() == 4);
         std::set<std::pair<double, double>> corners;
         for (const ManifoldPoint& p : m.points) {
-            CHECK(std::abs(to_double(p.separation) - gap) < 1.3e-7);
-            CHECK(std::abs(to_double(p.position.y) - (-0.25 - gap / 2)) < 1.3e-7);
-            corners.insert({std::round((to_double(p.position.x) + 0.1) * 1e4) / 1e4,
-                            std::round((to_double(p.position.z) - 0.2) * 1e4) / 1e4});
+            CHECK(std::abs(as_double(p.separation) - gap) < 1.3e-7);
+            CHECK(std::abs(as_double(p.position.y) - (-0.25 - gap / 2)) < 1.3e-7);
+            corners.insert({std::round((as_double(p.position.x) + 0.1) * 1e4) / 1e4,
+                            std::round((as_double(p.position.z) - 0.2) * 1e4) / 1e4});
         }
         CHECK(corners ==
               std::set<std::pair<double, double>>{{-0.4, -0.95}, {-0.4, 0.55}, {0.6, -0.95}, {0.6, 0.55}});
@@ -101,7 +101,7 @@ TEST_CASE("equal boxes exactly face to face keep four distinct corners") {
 }
 
 TEST_CASE("equal boxes that stand nearly flush on each other are held at their corners") {
-    Random random(12);
+    RandomReal random(12);
     const Geometry cube = box(0.5_r, 0.5_r, 0.5_r);
     int planted = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -113,7 +113,7 @@ TEST_CASE("equal boxes that stand nearly flush on each other are held at their c
         const double tolerance = 2 * off + 2 * tilt + 1e-4; // what the boxes are off, and the slack
         CHECK(check_corners(m, tolerance) == "");
         // The twin: a point where two edges cross, an eighth of an edge from the corner.
-        m.points[random.below(4)].position.x = oracle::quantize<Length>(0.375);
+        m.points[random.below(4)].position.x = oracle::as_fixed<Length>(0.375);
         planted += check_corners(m, tolerance) != "" ? 1 : 0;
     }
     CHECK(planted == 2000);
@@ -127,17 +127,17 @@ TEST_CASE("a tilted box meets the ground along its edge first") {
     REQUIRE(m.count == 4);
     std::multiset<int> tenths; // of a millimetre
     for (const ManifoldPoint& p : m.points)
-        tenths.insert(static_cast<int>(std::lround(to_double(p.separation) * 1e4)));
+        tenths.insert(static_cast<int>(std::lround(as_double(p.separation) * 1e4)));
     CHECK(tenths == std::multiset<int>{-10, -10, 190, 190});
 }
 
 TEST_CASE("separations resolve a tenth of a micrometre") {
     const Geometry ground = box(5_r, 0.5_r, 5_r);
     for (const Geometry& shape : {sphere(0.25_r), capsule(0.25_r, 0.5_r), box(0.25_r, 0.25_r, 0.25_r)}) {
-        const double height = to_double(shape.radius) + to_double(shape.half_extent.y) + 0.5;
+        const double height = as_double(shape.radius) + as_double(shape.half_extent.y) + 0.5;
         for (int tenths = -20; tenths <= 20; ++tenths) {
             const RelativePose pose = oracle::pose_of(Quat::identity(), {0.3, height + tenths * 1e-7, 0.1});
-            const double exact = to_double(pose.position.y) - height;
+            const double exact = as_double(pose.position.y) - height;
             const Manifold m = manifold_of(ground, shape, pose);
             REQUIRE(m.count > 0);
             CHECK(std::abs(deepest(m) - exact) < 8e-9);
@@ -146,7 +146,7 @@ TEST_CASE("separations resolve a tenth of a micrometre") {
 }
 
 TEST_CASE("two shapes of a kind see the same contact from either side") {
-    Random random(3);
+    RandomReal random(3);
     int touching = 0, other_face = 0, line_or_point = 0;
     for (int i = 0; i < 6000; ++i) {
         constexpr ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box};
@@ -157,7 +157,7 @@ TEST_CASE("two shapes of a kind see the same contact from either side") {
         const double cores =
             boxes ? 1 : oracle::core_distance(oracle::place_a(s.a), oracle::place_b(s.b, s.pose));
         if (cores < 0.01) continue; // the direction between them is a few Length steps over their distance
-        const double sin = norm(cross({0, 1, 0}, to_double(s.pose.rotation.y)));
+        const double sin = norm(cross({0, 1, 0}, as_double(s.pose.rotation.y)));
         // Cores closer to parallel than 1.2e-4 rad count as parallel: their normal is at right angles to A's only.
         const double angle = 1e-6 + 2e-7 / cores + (kind == ShapeKind::capsule && sin < 1.3e-4 ? 3e-4 : 0);
         const std::string why = check_symmetry(s.pose, m, from_b, boxes ? 1e-6 : 2e-7, angle);
@@ -197,14 +197,14 @@ TEST_CASE("coincident and degenerate shapes have a defined contact") {
                 const Manifold m = manifold_of(a, b, pose), again = manifold_of(a, b, pose);
                 CHECK(std::memcmp(&m, &again, sizeof m) == 0);
                 CHECK(m.count >= 1);
-                CHECK(std::abs(norm(to_double(m.normal)) - 1) < 4e-9);
+                CHECK(std::abs(norm(as_double(m.normal)) - 1) < 4e-9);
                 CHECK(deepest(m) < -0.01);
                 CHECK(oracle::check_manifold(a, b, pose, 0.02, m) == "");
             }
 }
 
 TEST_CASE("the largest shapes and poses stay within range and the furthest never touch") {
-    Random random(11);
+    RandomReal random(11);
     const double extremes[] = {-127.9999999, -100, -1e-7, 0, 1e-7, 100, 127.9999999};
     int touching = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -228,7 +228,7 @@ TEST_CASE("the largest shapes and poses stay within range and the furthest never
         const Manifold m = manifold_of(ga, gb, oracle::pose_of(turn, {x, y, z}), decimal<Length>("1"));
         if (m.count == 0) continue;
         ++touching;
-        CHECK(std::abs(norm(to_double(m.normal)) - 1) < 4e-9);
+        CHECK(std::abs(norm(as_double(m.normal)) - 1) < 4e-9);
     }
     CHECK(touching > 100);
     const Transform here = Transform::identity(), far{{1000_r, 0_r, 0_r}, Quat::identity()};
@@ -236,17 +236,17 @@ TEST_CASE("the largest shapes and poses stay within range and the furthest never
 }
 
 TEST_CASE("a relative pose is the same far from the world's origin") {
-    Random random(13);
+    RandomReal random(13);
     for (int i = 0; i < 200; ++i) {
         const Quat qa = random.rotation(0, 3), qb = random.rotation(1, 1);
-        const Vec3 at{oracle::quantize<Real>(random.uniform(-2, 2)), 0.25_r, 1.5_r},
+        const Vec3 at{oracle::as_fixed<Real>(random.uniform(-2, 2)), 0.25_r, 1.5_r},
             shift{1'000'000_r, -2'000'000.5_r, 3_r};
         const RelativePose near = relative_pose({at, qa}, {Vec3{}, qb}),
                            far = relative_pose({at + shift, qa}, {shift, qb});
         CHECK(near.position == far.position);
         CHECK(near.rotation == far.rotation);
-        const D3 expected = to_double(rotate_inverse(qa, -at));
-        CHECK(norm(to_double(near.position) - expected) < 6e-8);
+        const D3 expected = as_double(rotate_inverse(qa, -at));
+        CHECK(norm(as_double(near.position) - expected) < 6e-8);
     }
 }
 
@@ -255,13 +255,13 @@ TEST_CASE("a plane works far from its own origin, and its view leads back to the
     const Transform ramp{{0_r, 2_r, 0_r}, slope};
     const Vec3 normal = rotate(slope, Vec3{0_r, 1_r, 0_r}), along = rotate(slope, Vec3{1_r, 0_r, 0_r});
     for (double away : {0.0, 10.0, 5000.0}) {
-        const Vec3 center = ramp.position + along * oracle::quantize<Real>(away) + normal * 0.49_r;
+        const Vec3 center = ramp.position + along * oracle::as_fixed<Real>(away) + normal * 0.49_r;
         const RelativePose view = plane_relative_pose(ramp, {center, Quat::identity()});
         const Manifold m = manifold_of(plane(), sphere(0.5_r), view);
         REQUIRE(m.count == 1);
         const double slack = 1e-7 + away * 2e-9; // the direction of the plane has 30 bits
         CHECK(std::abs(deepest(m) + 0.01) < slack);
         const Vec3 contact = center + rotate(slope, to<Real>(m.points[0].position));
-        CHECK(norm(to_double(contact) - to_double(center - normal * 0.495_r)) < slack);
+        CHECK(norm(as_double(contact) - as_double(center - normal * 0.495_r)) < slack);
     }
 }

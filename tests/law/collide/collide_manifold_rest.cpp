@@ -8,8 +8,8 @@
 
 using namespace lockstone;
 using namespace lockstone::collide;
+using oracle::as_double;
 using oracle::D3;
-using oracle::to_double;
 
 namespace {
 
@@ -21,9 +21,9 @@ shapes::Solid prism(AssetLibrary& library) {
     std::vector<LengthVec3> points;
     for (int k = 0; k < 16; ++k) {
         const double angle = quarter / 2 * (k / 2 + 0.5);
-        points.push_back({oracle::quantize<Length>(0.5 * std::cos(angle)),
-                          oracle::quantize<Length>(k % 2 ? 0.3 : -0.3),
-                          oracle::quantize<Length>(0.5 * std::sin(angle))});
+        points.push_back({oracle::as_fixed<Length>(0.5 * std::cos(angle)),
+                          oracle::as_fixed<Length>(k % 2 ? 0.3 : -0.3),
+                          oracle::as_fixed<Length>(0.5 * std::sin(angle))});
     }
     const AssetId id = library.add(bake_hull(points)).value();
     return {library.geometry(id).value(), library.find(id)->hull.get()};
@@ -48,8 +48,8 @@ bool holds(const Manifold& m, double reach) {
         const double angle = k * quarter / 4;
         double most = -1;
         for (std::uint32_t i = 0; i < m.count; ++i)
-            most = std::max(most, std::cos(angle) * to_double(m.points[i].position.x) +
-                                      std::sin(angle) * to_double(m.points[i].position.z));
+            most = std::max(most, std::cos(angle) * as_double(m.points[i].position.x) +
+                                      std::sin(angle) * as_double(m.points[i].position.z));
         if (most < reach) return false;
     }
     return true;
@@ -94,7 +94,7 @@ std::vector<Rest> all_rests(AssetLibrary& library) {
 
 TEST_CASE("shapes at rest are held by the points they need") {
     AssetLibrary library;
-    oracle::Random random(31);
+    oracle::RandomReal random(31);
     const shapes::Solid floors[] = {{box(4_r, 0.5_r, 4_r)}, {plane()}};
     const double tops[] = {0.5, 0};
     for (const Rest& rest : all_rests(library))
@@ -109,10 +109,10 @@ TEST_CASE("shapes at rest are held by the points they need") {
                 const Manifold m = manifold_of(floors[f], rest.solid, pose);
                 CHECK(m.count == rest.points);
                 CHECK(features(m).size() == m.count);
-                CHECK(to_double(m.normal.y) > 1 - 1e-8);
+                CHECK(as_double(m.normal.y) > 1 - 1e-8);
                 for (std::uint32_t k = 0; k < m.count; ++k) {
-                    CHECK(std::abs(to_double(m.points[k].separation) - gap) < 2e-7);
-                    CHECK(std::abs(to_double(m.points[k].position.y) - (-rest.height - gap / 2)) < 2e-7);
+                    CHECK(std::abs(as_double(m.points[k].separation) - gap) < 2e-7);
+                    CHECK(std::abs(as_double(m.points[k].position.y) - (-rest.height - gap / 2)) < 2e-7);
                 }
                 if (rest.hold > 0) CHECK(holds(m, rest.hold));
                 Manifold wrong = m; // planted: a lost point
@@ -125,7 +125,7 @@ TEST_CASE("shapes at rest are held by the points they need") {
 
 TEST_CASE("feature keys of shapes at rest survive small motions") {
     AssetLibrary library;
-    oracle::Random random(37);
+    oracle::RandomReal random(37);
     const shapes::Solid floors[] = {{box(4_r, 0.5_r, 4_r)}, {box(0.45_r, 0.5_r, 0.45_r)}};
     int scenes = 0, changed = 0;
     for (const Rest& rest : all_rests(library))
@@ -166,8 +166,8 @@ TEST_CASE("cylinders and cones roll on circles, not on polygons") {
                             oracle::pose_of(normalized(lying * roll), {0, tops[f] + 0.3995, 0}));
             REQUIRE(wheel.count == 2);
             for (std::uint32_t k = 0; k < 2; ++k) {
-                CHECK(std::abs(to_double(wheel.points[k].separation) + 0.0005) < 1e-7);
-                CHECK(std::abs(to_double(wheel.points[k].position.z)) < 2e-7);
+                CHECK(std::abs(as_double(wheel.points[k].separation) + 0.0005) < 1e-7);
+                CHECK(std::abs(as_double(wheel.points[k].position.z)) < 2e-7);
             }
             // A coin on its rim, leaning by 0.4 rad: its lowest point is r sin + h cos below its middle.
             const double lean = 0.4, low = 0.4 * std::sin(lean) + 0.02 * std::cos(lean);
@@ -178,13 +178,13 @@ TEST_CASE("cylinders and cones roll on circles, not on polygons") {
             REQUIRE(coin.count > 0);
             double deepest = 1;
             for (std::uint32_t k = 0; k < coin.count; ++k)
-                deepest = std::min(deepest, to_double(coin.points[k].separation));
+                deepest = std::min(deepest, as_double(coin.points[k].separation));
             CHECK(std::abs(deepest + 0.0005) < 1e-7);
         }
 }
 
 TEST_CASE("two cylinders side by side touch along a line whose normal is exact") {
-    oracle::Random random(41);
+    oracle::RandomReal random(41);
     for (int i = 0; i < 300; ++i) {
         const double angle = random.uniform(0, 6.28), gap = random.uniform(-0.002, 0.01),
                      along = random.uniform(-0.3, 0.3);
@@ -193,7 +193,7 @@ TEST_CASE("two cylinders side by side touch along a line whose normal is exact")
         const Manifold m = manifold_of({cylinder(0.3_r, 0.5_r)}, {cylinder(0.2_r, 0.4_r)},
                                        oracle::pose_of(roll, n * (0.5 + gap) + D3{0, along, 0}));
         REQUIRE(m.count == 2);
-        CHECK(norm(to_double(m.normal) - n) < 4e-7);
-        for (std::uint32_t k = 0; k < 2; ++k) CHECK(std::abs(to_double(m.points[k].separation) - gap) < 2e-7);
+        CHECK(norm(as_double(m.normal) - n) < 4e-7);
+        for (std::uint32_t k = 0; k < 2; ++k) CHECK(std::abs(as_double(m.points[k].separation) - gap) < 2e-7);
     }
 }

@@ -10,7 +10,7 @@ using oracle::quat_of;
 
 namespace {
 
-const Length margin = quantize<Length>(0.02);
+const Length margin = as_fixed<Length>(0.02);
 constexpr double quarter = 1.5707963267948966;
 
 collide::Manifolds contacts(const Owned& a, const Geometry& b, D3 at, Quat rotation = Quat::identity()) {
@@ -23,12 +23,12 @@ collide::Manifolds contacts(const Owned& a, const Geometry& b, D3 at, Quat rotat
 std::string show(const collide::Manifolds& m) {
     std::ostringstream out;
     for (std::uint32_t i = 0; i < m.count; ++i) {
-        const D3 n = oracle::to_double(m.items[i].normal);
+        const D3 n = oracle::as_double(m.items[i].normal);
         out << "normal " << n.x << ' ' << n.y << ' ' << n.z << ':';
         for (std::uint32_t k = 0; k < m.items[i].count; ++k) {
-            const D3 p = oracle::to_double(m.items[i].points[k].position);
+            const D3 p = oracle::as_double(m.items[i].points[k].position);
             out << " [" << p.x << ' ' << p.y << ' ' << p.z << " s "
-                << oracle::to_double(m.items[i].points[k].separation) << "]";
+                << oracle::as_double(m.items[i].points[k].separation) << "]";
         }
         out << "; ";
     }
@@ -36,10 +36,10 @@ std::string show(const collide::Manifolds& m) {
 }
 
 bool is_normal(const collide::Manifold& m, D3 n, double tolerance = 1e-6) {
-    return oracle::norm(oracle::to_double(m.normal) - n * (1 / oracle::norm(n))) < tolerance;
+    return oracle::norm(oracle::as_double(m.normal) - n * (1 / oracle::norm(n))) < tolerance;
 }
 double separation(const collide::Manifold& m, std::uint32_t k = 0) {
-    return oracle::to_double(m.points[k].separation);
+    return oracle::as_double(m.points[k].separation);
 }
 /// One manifold with this normal, whose points are all at this separation.
 bool is_only(const collide::Manifolds& m, D3 normal, double gap, std::uint32_t points,
@@ -91,7 +91,7 @@ Soup block(D3 low, D3 high) {
 TEST_CASE("a ball on a spike of twelve triangles touches it in one point, from any side of its cone") {
     const Owned tip = mesh(spike(12, 1, 2));
     CHECK(is_only(contacts(tip, sphere(0.5_r), {0, 0.499, 0}), {0, 1, 0}, -0.001, 1));
-    oracle::Random random(5);
+    oracle::RandomReal random(5);
     for (int i = 0; i < 300; ++i) {
         const double lean = random.uniform(0, 0.4), turn = random.uniform(0, 6.2831853);
         const D3 n{std::sin(lean) * std::cos(turn), std::cos(lean), std::sin(lean) * std::sin(turn)};
@@ -209,7 +209,7 @@ TEST_CASE("triangles of a kilometre are as good as small ones") {
     Soup big;
     big.add({-1000, 0, -1000}, {-1000, 0, 1000}, {1000, 0, 1000}, {1000, 0, -1000});
     const Owned ground = mesh(big);
-    oracle::Random random(3);
+    oracle::RandomReal random(3);
     for (int i = 0; i < 200; ++i) {
         const double x = random.uniform(-995, 995),
                      z = i % 2 == 0 ? x + random.uniform(-1, 1) : random.uniform(-990, 990);
@@ -250,7 +250,7 @@ TEST_CASE("features are unique and stay while the contact moves a little") {
     const Owned ground = mesh(grid(-20, -20, 0.37, 100, 100, 0.2, 9, [](double x, double z) {
         return 0.1 * std::sin(x) + 0.1 * std::cos(1.3 * z);
     }));
-    oracle::Random random(11);
+    oracle::RandomReal random(11);
     int moved = 0, kept = 0;
     for (int i = 0; i < 400; ++i) {
         const D3 at{random.uniform(-10, 10), 0, random.uniform(-10, 10)};
@@ -289,7 +289,7 @@ TEST_CASE("a mesh of half the size at scale 2 has the same contacts, bit for bit
     const Owned half = mesh(soup, false, {Length(2), Length(2), Length(2)});
     const Geometry shapes[] = {sphere(0.4_r), capsule(0.2_r, 0.5_r), box(0.5_r, 0.2_r, 0.3_r),
                                cylinder(0.3_r, 0.4_r), rounded(box(0.3_r, 0.3_r, 0.2_r), 0.05_r)};
-    oracle::Random random(31);
+    oracle::RandomReal random(31);
     int touching = 0;
     for (int i = 0; i < 4000; ++i) {
         const Geometry& shape = shapes[i % 5];

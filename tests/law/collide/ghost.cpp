@@ -13,7 +13,7 @@ using namespace mesh_scenes;
 
 namespace {
 
-const Length margin = quantize<Length>(0.02);
+const Length margin = as_fixed<Length>(0.02);
 
 /// A shape that stands on the floor with its origin at `height`.
 struct Slider {
@@ -73,10 +73,10 @@ Trouble sweep(std::span<const Owned* const> floors, const Slider& slider, D3 mid
                 collide_one(floor->solid, b, pose_at(at, turn * slider.rotation), margin, scratch, m);
                 for (std::uint32_t i = 0; i < m.count; ++i) {
                     normal =
-                        std::max(normal, oracle::norm(oracle::to_double(m.items[i].normal) - D3{0, 1, 0}));
+                        std::max(normal, oracle::norm(oracle::as_double(m.items[i].normal) - D3{0, 1, 0}));
                     for (std::uint32_t k = 0; k < m.items[i].count; ++k, ++points)
                         separation = std::max(
-                            separation, std::abs(oracle::to_double(m.items[i].points[k].separation) - gap));
+                            separation, std::abs(oracle::as_double(m.items[i].points[k].separation) - gap));
                 }
             }
             t.without_point += points == 0;
@@ -136,7 +136,8 @@ TEST_CASE("shapes pass over the seams of flat meshes without a stumble" *
     check_floors({floors + 2, 1}, "two triangles", {0.1, 0, 0.05});
 }
 
-TEST_CASE("shapes pass over the seam between two meshes without a stumble") {
+TEST_CASE("shapes pass over the seam between two meshes without a stumble" *
+          doctest::skip(lockstone::test::is_small_sample())) {
     const Owned left = mesh(grid(-60, -60, 3, 20, 40, 0.2, 3, flat)),
                 right = mesh(grid(0, -60, 2, 30, 60, 0.2, 4, flat));
     const Owned* const floors[] = {&left, &right};
@@ -158,7 +159,8 @@ TEST_CASE("a seam between two meshes is not felt at any of its corners, seen clo
             }
 }
 
-TEST_CASE("shapes pass over the seams of flat height fields without a stumble") {
+TEST_CASE("shapes pass over the seams of flat height fields without a stumble" *
+          doctest::skip(lockstone::test::is_small_sample())) {
     const Owned field = height_field(121, 121, 1, [](auto, auto) { return 0.0; });
     const Owned* const floors[] = {&field};
     check_floors(floors, "a height field", {60.1, 0, 60.05});

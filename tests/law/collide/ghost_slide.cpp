@@ -85,7 +85,7 @@ std::string slide(AssetLibrary&& library, const std::vector<Floor>& floors, D3 m
     for (int tick = 0; tick < slide_ticks; ++tick) {
         world.tick();
         for (Body& body : bodies) {
-            const D3 v = oracle::to_double(world.linear_velocity(body.id));
+            const D3 v = oracle::as_double(world.linear_velocity(body.id));
             body.vertical = std::max(body.vertical, std::abs(v.y));
             body.slower = std::max(body.slower, speed - std::hypot(v.x, v.z));
             body.faster = std::max(body.faster, std::hypot(v.x, v.z) - speed);

@@ -39,7 +39,7 @@ bool passes(const Fall& fall, double rounding, double part) {
 
 TEST_CASE("a rounded shape is stopped at the surface, or not at all when it enters by less than half of its "
           "rounding, three quarters where joints hold it") {
-    Random random(7);
+    RandomPoint random(7);
     int passed = 0, stopped = 0, told_apart = 0;
     for (int i = 0; i < 2000; ++i) {
         const double radius = random(0.02, 1), half_height = random(0.02, 1), gap = random(0.01, 1),
@@ -71,7 +71,7 @@ TEST_CASE("a rounded shape is stopped at the surface, or not at all when it ente
 }
 
 TEST_CASE("a shape without rounding is always stopped at the surface") {
-    Random random(8);
+    RandomPoint random(8);
     for (int i = 0; i < 1000; ++i) {
         const double half = random(0.02, 1);
         const Fall fall{box(real(half), real(half), real(half)), half, random(0.01, 1), random(0.001, half)};
@@ -87,7 +87,7 @@ namespace {
 struct Crossing {
     collide::Sweep obstacle, mover;
 };
-Crossing crossing(Random& random) {
+Crossing crossing(RandomPoint& random) {
     const auto way = [&](double near, double far, double turn) {
         const Quat from = random.rotation();
         const D3 axis = random.direction();
@@ -106,7 +106,7 @@ Crossing crossing(Random& random) {
 
 TEST_CASE("what is not stopped by a box never comes near it: times of impact, which follow its nearest "
           "points, agree") {
-    Random random(9);
+    RandomPoint random(9);
     collide::NarrowScratch scratch;
     int stopped = 0, passed = 0;
     for (int i = 0; i < samples(4000, 100000); ++i) {
@@ -147,7 +147,7 @@ struct Dipping {
 TEST_CASE("a rounded shape at a box is stopped where times of impact say so, of the whole of it and of what "
           "is left as it sinks in: "
           "faces that tell it without nearest points change nothing") {
-    Random random(10);
+    RandomPoint random(10);
     collide::NarrowScratch scratch;
     int stopped = 0, passed = 0, dipped = 0, held_at_core = 0;
     for (int i = 0; i < samples(6000, 150000); ++i) {

@@ -1,5 +1,6 @@
 // The scene "cars" is driven by its script for a while: everybody gets about, nobody leaves the world.
 #include "lockstone/math/convert.h"
+#include "support/effort.h"
 #include "support/scripted_inputs.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +11,8 @@
 
 using namespace lockstone;
 
-TEST_CASE("four cars and a tank drive about for twenty seconds") {
+TEST_CASE("four cars and a tank drive about for twenty seconds" *
+          doctest::skip(lockstone::test::is_small_sample())) {
     const auto game = make_scene("cars", {.players = 4});
     REQUIRE(game.ok());
     World world = (*game)->start().value();

@@ -10,7 +10,7 @@ using namespace lockstone::test;
 namespace {
 
 /// Bytes with runs of every length, stretches of noise, and everything between.
-Bytes random_bytes(Random& random, std::uint32_t size) {
+Bytes random_bytes(SplitMix& random, std::uint32_t size) {
     Bytes out;
     while (out.size() < size) {
         const std::uint32_t length = 1 + random.below(random.below(3) == 0 ? 300 : 6);
@@ -22,7 +22,7 @@ Bytes random_bytes(Random& random, std::uint32_t size) {
     return out;
 }
 
-Command random_command(Random& random) {
+Command random_command(SplitMix& random) {
     const std::size_t kind = random.below(command_kinds);
     Bytes fields(command_bytes(kind));
     for (std::byte& b : fields) b = static_cast<std::byte>(random.below(256));
@@ -38,7 +38,7 @@ Bytes canonical(const Command& command) {
 } // namespace
 
 TEST_CASE("packed bytes unpack to what was packed, and are never much longer") {
-    Random random(1);
+    SplitMix random(1);
     for (std::uint32_t i = 0; i < 3000; ++i) {
         const Bytes bytes = random_bytes(random, i < 700 ? i : random.below(5000));
         Bytes packed;
@@ -52,7 +52,7 @@ TEST_CASE("packed bytes unpack to what was packed, and are never much longer") {
 }
 
 TEST_CASE("any bytes unpack to the announced size or to an error") {
-    Random random(2);
+    SplitMix random(2);
     int unpacked = 0;
     for (int i = 0; i < 20000; ++i) {
         const Bytes packed = random_bytes(random, random.below(12));
@@ -72,7 +72,7 @@ TEST_CASE("a long run of equal bytes packs to a sixty-fifth") {
 }
 
 TEST_CASE("planes turn back into their table, for every shape of table") {
-    Random random(3);
+    SplitMix random(3);
     for (std::uint32_t row = 0; row < 20; ++row)
         for (std::uint32_t rows = 0; rows < 20; ++rows) {
             const Bytes table = random_bytes(random, row * rows);
@@ -84,7 +84,7 @@ TEST_CASE("planes turn back into their table, for every shape of table") {
 }
 
 TEST_CASE("a block of inputs reads back as it was gathered, for every number of players and size of input") {
-    Random random(4);
+    SplitMix random(4);
     for (std::uint32_t players = 0; players <= players_max; ++players) {
         const BlockShape shape{Mode::inputs, players, random.below(input_bytes_max + 1)};
         BlockBuilder builder(shape);
@@ -123,7 +123,7 @@ TEST_CASE("a block of inputs reads back as it was gathered, for every number of 
 }
 
 TEST_CASE("a block of commands of every kind reads back in order, bit for bit") {
-    Random random(5);
+    SplitMix random(5);
     std::array<int, command_kinds> seen{};
     for (int i = 0; i < 200; ++i) {
         BlockBuilder builder({Mode::commands, 0, 0});

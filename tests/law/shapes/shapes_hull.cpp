@@ -11,15 +11,15 @@
 
 using namespace lockstone;
 using namespace lockstone::shapes;
+using oracle::as_double;
 using oracle::D3;
-using oracle::to_double;
 
 namespace {
 
 using Points = std::vector<LengthVec3>;
 
 LengthVec3 point(double x, double y, double z) {
-    return {oracle::quantize<Length>(x), oracle::quantize<Length>(y), oracle::quantize<Length>(z)};
+    return {oracle::as_fixed<Length>(x), oracle::as_fixed<Length>(y), oracle::as_fixed<Length>(z)};
 }
 LengthVec3 point(D3 p) { return point(p.x, p.y, p.z); }
 
@@ -85,17 +85,17 @@ std::string check_faces(const Hull& h) {
         if (f.count < 3) return "a face has fewer than three corners";
         double lowest = 0;
         for (const LengthVec3& v : h.vertices)
-            if (dot(to_double(f.normal), to_double(v)) > to_double(f.offset) + 1e-9)
+            if (dot(as_double(f.normal), as_double(v)) > as_double(f.offset) + 1e-9)
                 return "a vertex is above a face";
         for (std::size_t k = 0; k < f.count; ++k) {
             const int from = h.loops[f.first + k], to = h.loops[f.first + (k + 1u) % f.count];
             if (!directed.insert({from, to}).second) return "an outline edge occurs twice";
             lowest = std::max(
-                lowest, to_double(f.offset) -
-                            dot(to_double(f.normal), to_double(h.vertices[static_cast<std::size_t>(from)])));
+                lowest, as_double(f.offset) -
+                            dot(as_double(f.normal), as_double(h.vertices[static_cast<std::size_t>(from)])));
         }
         on_faces += f.count;
-        if (lowest > 4 * to_double(face_tolerance(h, Length(1)))) return "a corner is far below its face";
+        if (lowest > 4 * as_double(face_tolerance(h, Length(1)))) return "a corner is far below its face";
     }
     if (on_faces != h.loops.size() || h.edges.size() * 2 != on_faces) return "edge count";
     for (const Hull::Edge& e : h.edges) {
@@ -128,21 +128,21 @@ void require_good(const Hull& h, const Points& from) {
     REQUIRE(check_faces(h) == "");
     REQUIRE(check_neighbours(h) == "");
     for (const auto& t : h.triangles) {
-        const D3 a = to_double(h.vertices[t[0]]);
-        const D3 n = cross(to_double(h.vertices[t[1]]) - a, to_double(h.vertices[t[2]]) - a);
-        const double depth = dot(n, a - to_double(h.interior)) / norm(n);
-        CHECK(depth >= to_double(h.inner_radius));
+        const D3 a = as_double(h.vertices[t[0]]);
+        const D3 n = cross(as_double(h.vertices[t[1]]) - a, as_double(h.vertices[t[2]]) - a);
+        const double depth = dot(n, a - as_double(h.interior)) / norm(n);
+        CHECK(depth >= as_double(h.inner_radius));
     }
 }
 
-Points rotated_box(oracle::Random& random, double size) {
+Points rotated_box(oracle::RandomReal& random, double size) {
     const Rotation r = to_rotation(random.rotation(0, 3));
     const double x = random.uniform(0.2, 1) * size, y = random.uniform(0.2, 1) * size,
                  z = random.uniform(0.2, 1) * size;
     Points out;
     for (int i = 0; i < 8; ++i)
-        out.push_back(point(to_double(r.x) * (i & 1 ? x : -x) + to_double(r.y) * (i & 2 ? y : -y) +
-                            to_double(r.z) * (i & 4 ? z : -z)));
+        out.push_back(point(as_double(r.x) * (i & 1 ? x : -x) + as_double(r.y) * (i & 2 ? y : -y) +
+                            as_double(r.z) * (i & 4 ? z : -z)));
     return out;
 }
 
@@ -161,7 +161,7 @@ TEST_CASE("a cube has 8 corners, 6 faces, 12 edges, 12 triangles") {
     CHECK(h.edges.size() == 12);
     CHECK(h.triangles.size() == 12);
     CHECK(h.interior == LengthVec3{});
-    CHECK(to_double(h.inner_radius) == test::about(1, 1e-6));
+    CHECK(as_double(h.inner_radius) == test::about(1, 1e-6));
     CHECK(h.properties.mass == 48_r);
     Hull bad = h; // planted
     std::swap(bad.triangles[3][0], bad.triangles[3][1]);
@@ -199,12 +199,12 @@ TEST_CASE("255 points on a sphere are all corners, 256 are too many") {
     CHECK(h.vertices.size() == 255);
     CHECK(h.triangles.size() == 506);
     CHECK(h.faces.size() > 490); // a few of four points in one plane
-    CHECK(to_double(h.properties.mass) == test::about(33.51, 0.03));
+    CHECK(as_double(h.properties.mass) == test::about(33.51, 0.03));
     CHECK(make_hull(on_sphere(256, 2)).error().message == "hull has 256 corners, it may have 255");
 }
 
 TEST_CASE("a rotated and quantised box keeps its 6 faces") {
-    oracle::Random random(5);
+    oracle::RandomReal random(5);
     for (int i = 0; i < 300; ++i) {
         const Points points = rotated_box(random, random.log_uniform(0.05, 40));
         const Hull h = hull_of(points);
@@ -217,7 +217,7 @@ TEST_CASE("a rotated and quantised box keeps its 6 faces") {
 }
 
 TEST_CASE("the order of the points does not matter") {
-    oracle::Random random(7);
+    oracle::RandomReal random(7);
     Points points = on_sphere(60, 1);
     for (const LengthVec3& p : box_corners(0.6, 0.6, 0.6)) points.push_back(p);
     const AssetBytes bytes = bake_hull(points).value();
@@ -231,7 +231,7 @@ TEST_CASE("the order of the points does not matter") {
 }
 
 TEST_CASE("points of a small grid: many are in one plane, on one line or in one place") {
-    oracle::Random random(11);
+    oracle::RandomReal random(11);
     for (int i = 0; i < 3000; ++i) {
         const std::uint32_t side = 2 + random.below(4), count = 4 + random.below(40);
         Points points;
@@ -273,11 +273,11 @@ TEST_CASE("the extremes of size: 5 mm and 200 m") {
         require_good(h, points);
         CHECK(h.faces.size() == 6);
         const double third = size * size * 2 / 3;
-        CHECK(to_double(h.properties.gyration_squared.x.x) == test::about(third, 1e-4));
-        CHECK(to_double(mass_properties(Solid{.geometry = {}, .hull = &h}, 100_r).mass) ==
+        CHECK(as_double(h.properties.gyration_squared.x.x) == test::about(third, 1e-4));
+        CHECK(as_double(mass_properties(Solid{.geometry = {}, .hull = &h}, 100_r).mass) ==
               test::about(800 * size * size * size, 1e-4));
     }
-    oracle::Random random(13);
+    oracle::RandomReal random(13);
     for (int i = 0; i < 100; ++i) {
         Points points;
         for (int k = 0; k < 100; ++k)
@@ -288,7 +288,7 @@ TEST_CASE("the extremes of size: 5 mm and 200 m") {
 }
 
 TEST_CASE("a prism whose ends are uneven by less than the tolerance has flat ends") {
-    oracle::Random random(29);
+    oracle::RandomReal random(29);
     for (int sides : {5, 12, 30}) {
         Points points;
         for (int k = 0; k < sides; ++k)
@@ -307,7 +307,7 @@ TEST_CASE("a prism whose ends are uneven by less than the tolerance has flat end
 }
 
 TEST_CASE("merged faces of finely rounded shapes stay convex polygons") {
-    oracle::Random random(31);
+    oracle::RandomReal random(31);
     for (int i = 0; i < 100; ++i) { // a shallow dome: neighbours differ by about the tolerance
         const double height = random.log_uniform(0.0005, 0.05);
         Points points = box_corners(1, 0.3, 1);
@@ -320,10 +320,10 @@ TEST_CASE("merged faces of finely rounded shapes stay convex polygons") {
         for (const Hull::Face& f : h.faces) {
             for (std::size_t k = 0; k < f.count; ++k) {
                 const auto at = [&](std::size_t c) {
-                    return to_double(h.vertices[h.loops[f.first + c % f.count]]);
+                    return as_double(h.vertices[h.loops[f.first + c % f.count]]);
                 };
                 const D3 edge = at(k + 1) - at(k);
-                const D3 inward = cross(to_double(f.normal), edge) * (1 / norm(edge));
+                const D3 inward = cross(as_double(f.normal), edge) * (1 / norm(edge));
                 for (std::size_t c = 0; c < f.count; ++c) REQUIRE(dot(inward, at(c) - at(k)) > -6e-4);
             }
         }

@@ -9,14 +9,14 @@
 #include <vector>
 
 using namespace lockstone;
+using oracle::as_double;
 using oracle::D3;
-using oracle::to_double;
 
 namespace {
 
 double entry(const Matrix3<I20F44>& m, int row, int column) {
     const Vector3<I20F44>& c = column == 0 ? m.x : column == 1 ? m.y : m.z;
-    return to_double(c[row]);
+    return as_double(c[row]);
 }
 
 struct Body {
@@ -30,15 +30,15 @@ Body combine_double(const std::vector<MassPart>& parts) {
     Body body;
     std::vector<D3> at;
     for (const MassPart& part : parts) {
-        const double m = to_double(part.properties.mass);
-        at.push_back(to_double(part.local * part.properties.center));
+        const double m = as_double(part.properties.mass);
+        at.push_back(as_double(part.local * part.properties.center));
         body.mass += m;
         body.center = body.center + at.back() * m;
     }
     body.center = body.center * (1 / body.mass);
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const Rotation rotation = to_rotation(parts[p].local.rotation);
-        const D3 r[3] = {to_double(rotation.x), to_double(rotation.y), to_double(rotation.z)};
+        const D3 r[3] = {as_double(rotation.x), as_double(rotation.y), as_double(rotation.z)};
         const D3 d = at[p] - body.center;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
@@ -46,16 +46,16 @@ Body combine_double(const std::vector<MassPart>& parts) {
                 for (int a = 0; a < 3; ++a)
                     for (int b = 0; b < 3; ++b)
                         k += r[a][i] * entry(parts[p].properties.gyration_squared, a, b) * r[b][j];
-                body.inertia[i][j] += k * to_double(parts[p].properties.mass) / body.mass;
+                body.inertia[i][j] += k * as_double(parts[p].properties.mass) / body.mass;
             }
     }
     return body;
 }
 
 std::string check_body(const MassProperties& m, const Body& e, double relative) {
-    if (std::abs(to_double(m.mass) - e.mass) > 1e-9 * e.mass + 1e-9) return "mass";
+    if (std::abs(as_double(m.mass) - e.mass) > 1e-9 * e.mass + 1e-9) return "mass";
     const double size = e.inertia[0][0] + e.inertia[1][1] + e.inertia[2][2];
-    if (norm(to_double(m.center) - e.center) > 1e-9 + relative * std::sqrt(size)) return "centre";
+    if (norm(as_double(m.center) - e.center) > 1e-9 + relative * std::sqrt(size)) return "centre";
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             if (std::abs(entry(m.gyration_squared, i, j) - e.inertia[i][j]) > relative * size)
@@ -63,13 +63,13 @@ std::string check_body(const MassProperties& m, const Body& e, double relative) 
     return {};
 }
 
-std::vector<MassPart> random_parts(oracle::Random& random) {
+std::vector<MassPart> random_parts(oracle::RandomReal& random) {
     std::vector<MassPart> parts;
     const double size = random.log_uniform(0.02, 20);
     for (std::uint32_t k = 0; k < 1 + random.below(6); ++k) {
         constexpr ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box};
         const Geometry g = oracle::random_shape(random, kinds[random.below(3)], size);
-        const auto place = [&] { return oracle::quantize<Real>(random.uniform(-size, size)); };
+        const auto place = [&] { return oracle::as_fixed<Real>(random.uniform(-size, size)); };
         const Real x = place(), y = place(), z = place();
         parts.push_back({mass_properties(g, 100_r), {{x, y, z}, random.rotation(0, 3)}});
     }
@@ -79,7 +79,7 @@ std::vector<MassPart> random_parts(oracle::Random& random) {
 } // namespace
 
 TEST_CASE("a body of several parts obeys the parallel axis theorem") {
-    oracle::Random random(43);
+    oracle::RandomReal random(43);
     for (int i = 0; i < 500; ++i) {
         std::vector<MassPart> parts = random_parts(random);
         const Body expected = combine_double(parts);
@@ -87,7 +87,7 @@ TEST_CASE("a body of several parts obeys the parallel axis theorem") {
         REQUIRE(check_body(m, expected, 2e-8) == "");
         CHECK(m.gyration_squared == transpose(m.gyration_squared));
         std::vector<MassPart> moved = parts; // planted
-        moved[0].local.position.x += oracle::quantize<Real>(0.01 * std::sqrt(expected.inertia[0][0]));
+        moved[0].local.position.x += oracle::as_fixed<Real>(0.01 * std::sqrt(expected.inertia[0][0]));
         CHECK(check_body(combine(moved), expected, 2e-8) != "");
         std::reverse(parts.begin(), parts.end());
         CHECK(check_body(combine(parts), expected, 2e-8) == "");
@@ -109,13 +109,13 @@ TEST_CASE("two halves of a box make the box") {
 }
 
 TEST_CASE("principal radii and axes put the gyration back together") {
-    oracle::Random random(47);
+    oracle::RandomReal random(47);
     for (int i = 0; i < 200; ++i) {
         const MassProperties m = combine(random_parts(random));
         const PrincipalGyration p = principal_gyration(m);
         const Rotation rotation = to_rotation(p.axes);
-        const D3 r[3] = {to_double(rotation.x), to_double(rotation.y), to_double(rotation.z)},
-                 k = to_double(p.radii);
+        const D3 r[3] = {as_double(rotation.x), as_double(rotation.y), as_double(rotation.z)},
+                 k = as_double(p.radii);
         const double size = dot(k, k);
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) {
@@ -127,7 +127,7 @@ TEST_CASE("principal radii and axes put the gyration back together") {
     }
     const PrincipalGyration cube =
         principal_gyration(mass_properties(box(0.0025_r, 0.0025_r, 0.0025_r), 1000_r));
-    CHECK(std::abs(to_double(cube.radii.x) - 0.0025 * std::sqrt(2.0 / 3)) <
+    CHECK(std::abs(as_double(cube.radii.x) - 0.0025 * std::sqrt(2.0 / 3)) <
           10 * std::ldexp(1, -32)); // ten steps of a Real
     CHECK(principal_gyration(MassProperties{}).radii == Vec3{});
 }

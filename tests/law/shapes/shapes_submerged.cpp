@@ -61,7 +61,7 @@ struct Worst {
 Worst worst_of(const Geometry& g, double lie = 0) {
     Worst worst;
     const shapes::Solid solid{.geometry = g};
-    Random random(7);
+    RandomPoint random(7);
     const int planes = samples(12, 200), n = 70;
     for (int i = 0; i < planes; ++i) {
         const auto roll = [&] { return random(-1, 1); };
@@ -98,7 +98,7 @@ TEST_CASE("planted fault: a plane two centimetres higher is found out") {
 }
 
 TEST_CASE("from dry to under, the part grows and never jumps, for every kind and way of lying") {
-    Random random(3);
+    RandomPoint random(3);
     for (const Geometry& g : primitives)
         for (int way = 0; way < 20; ++way) {
             const auto roll = [&] { return random(-1, 1); };
@@ -134,7 +134,7 @@ TEST_CASE("sizes from 5 mm to 100 m keep their parts") {
 }
 
 TEST_CASE("shown areas are the shadows of a fine grid" * doctest::skip(test::is_too_long_here())) {
-    Random random(5);
+    RandomPoint random(5);
     for (const Geometry& g : primitives)
         for (int way = 0; way < 6; ++way) {
             const auto roll = [&] { return random(-1, 1); };

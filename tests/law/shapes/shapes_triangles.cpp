@@ -13,7 +13,7 @@
 
 using namespace lockstone;
 using namespace lockstone::shapes;
-using oracle::to_double;
+using oracle::as_double;
 
 namespace {
 
@@ -27,15 +27,15 @@ struct Soup {
     MeshDef def() const { return {.vertices = vertices, .triangles = triangles, .materials = materials}; }
 };
 
-Real real(double x) { return oracle::quantize<Real>(x); }
-Vec3 random_point(oracle::Random& random, double size) {
+Real real(double x) { return oracle::as_fixed<Real>(x); }
+Vec3 random_point(oracle::RandomReal& random, double size) {
     const double x = random.uniform(-size, size), y = random.uniform(-size, size),
                  z = random.uniform(-size, size);
     return {real(x), real(y), real(z)};
 }
 
 /// Small triangles strewn over a cube, and a few as large as it.
-Soup strewn(oracle::Random& random, std::uint32_t count, double size) {
+Soup strewn(oracle::RandomReal& random, std::uint32_t count, double size) {
     Soup soup;
     for (std::uint32_t i = 0; i < count; ++i) {
         const Vec3 at = random_point(random, size * 0.9);
@@ -68,7 +68,7 @@ Extent bounds_of(const Triangle& t) {
 }
 
 /// Boxes that start or end exactly at triangles' bounds, besides random ones.
-Extent random_box(oracle::Random& random, const Solid& solid) {
+Extent random_box(oracle::RandomReal& random, const Solid& solid) {
     const Extent all = extent_of(solid);
     const auto pick = [&](int axis) {
         if (random.below(2) == 0) {
@@ -76,8 +76,8 @@ Extent random_box(oracle::Random& random, const Solid& solid) {
             const Coordinate at = random.below(2) == 0 ? e.lower[axis] : e.upper[axis];
             return Coordinate::from_raw(at.raw + static_cast<std::int64_t>(random.below(3)) - 1);
         }
-        const double low = to_double(all.lower[axis]), high = to_double(all.upper[axis]);
-        return oracle::quantize<Coordinate>(random.uniform(low - 1, high + 1));
+        const double low = as_double(all.lower[axis]), high = as_double(all.upper[axis]);
+        return oracle::as_fixed<Coordinate>(random.uniform(low - 1, high + 1));
     };
     Extent box{};
     const bool small = random.below(2) == 0;
@@ -102,7 +102,7 @@ std::vector<std::uint32_t> brute_force(const Solid& solid, const Extent& box) {
 
 /// How many of the boxes are answered as by brute force; `shifted` damages the queries.
 int agreements(const Solid& solid, int boxes, Coordinate shifted = Coordinate{}) {
-    oracle::Random random(99);
+    oracle::RandomReal random(99);
     int good = 0;
     for (int i = 0; i < boxes; ++i) {
         Extent box = random_box(random, solid);
@@ -117,7 +117,7 @@ int agreements(const Solid& solid, int boxes, Coordinate shifted = Coordinate{})
 }
 
 LengthVec3 factors(double x, double y, double z) {
-    return {oracle::quantize<Length>(x), oracle::quantize<Length>(y), oracle::quantize<Length>(z)};
+    return {oracle::as_fixed<Length>(x), oracle::as_fixed<Length>(y), oracle::as_fixed<Length>(z)};
 }
 
 struct Terrain {
@@ -133,10 +133,10 @@ struct Terrain {
                 .cells = cells};
     }
 };
-Terrain random_terrain(oracle::Random& random, std::uint32_t columns, std::uint32_t rows, bool holes) {
+Terrain random_terrain(oracle::RandomReal& random, std::uint32_t columns, std::uint32_t rows, bool holes) {
     Terrain t{columns, rows, {}, {}};
     for (std::uint32_t i = 0; i < columns * rows; ++i)
-        t.heights.push_back(oracle::quantize<Length>(random.below(4) == 0 ? 0.25 : random.uniform(-2, 2)));
+        t.heights.push_back(oracle::as_fixed<Length>(random.below(4) == 0 ? 0.25 : random.uniform(-2, 2)));
     for (std::uint32_t i = 0; holes && i < (columns - 1) * (rows - 1); ++i)
         t.cells.push_back(static_cast<std::uint8_t>(random.below(5) == 0 ? 255 : random.below(7)));
     return t;
@@ -197,7 +197,7 @@ std::string difference(const Solid& field, const Solid& mesh) {
 } // namespace
 
 TEST_CASE("a mesh answers box queries exactly as brute force, at any scale and size") {
-    oracle::Random random(3);
+    oracle::RandomReal random(3);
     for (const auto& [count, size] :
          {std::pair(1u, 1.0), std::pair(9u, 1.0), std::pair(65u, 3.0), std::pair(700u, 10.0),
           std::pair(700u, 60.0), std::pair(700u, 1500.0), std::pair(600u, 7900.0)}) {
@@ -213,7 +213,7 @@ TEST_CASE("a mesh answers box queries exactly as brute force, at any scale and s
 }
 
 TEST_CASE("a height field answers box queries exactly as brute force, at any scale and with holes") {
-    oracle::Random random(5);
+    oracle::RandomReal random(5);
     for (const auto& [columns, rows] :
          {std::pair(2u, 2u), std::pair(2u, 30u), std::pair(40u, 25u), std::pair(17u, 18u)})
         for (const LengthVec3& scale : {scale_one, factors(0.5, 2, 1.37), factors(1 / 128.0, 100, 3)}) {
@@ -226,7 +226,7 @@ TEST_CASE("a height field answers box queries exactly as brute force, at any sca
 }
 
 TEST_CASE("a height field and the same triangles as a mesh are alike") {
-    oracle::Random random(7);
+    oracle::RandomReal random(7);
     for (int i = 0; i < 20; ++i) {
         const Terrain terrain =
             random_terrain(random, 2 + random.below(12), 2 + random.below(12), i % 2 == 1);
@@ -307,7 +307,7 @@ TEST_CASE("welding, degenerate triangles and materials") {
 }
 
 TEST_CASE("a box turned back to scale 1 holds exactly the points whose scaled places are in it") {
-    oracle::Random random(17);
+    oracle::RandomReal random(17);
     for (int i = 0; i < 20000; ++i) {
         const LengthVec3 scale = factors(random.log_uniform(0.0079, 100), random.log_uniform(0.0079, 100), 1);
         const auto near = [&] {

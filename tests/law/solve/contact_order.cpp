@@ -44,7 +44,7 @@ Contact touch_of(std::uint32_t a, std::uint32_t b) {
 
 /// `deepest`: the largest overlap [m].
 Heap heap_of(std::uint32_t count, double deepest, std::uint64_t seed) {
-    Random random(seed);
+    RandomPoint random(seed);
     Heap heap;
     heap.bodies.body.resize(count + 1);
     heap.bodies.step.resize(count + 1);
@@ -148,7 +148,7 @@ constexpr int per_side = 4, layers = 20;
 
 /// Balls, boxes and capsules of a metre that are dropped into a pit of 5 x 5 m, in layers up to 26 m high.
 World dropped(std::uint64_t seed) {
-    Random random(seed);
+    RandomPoint random(seed);
     WorldDef def;
     def.sleeping = 0;
     World w = made(World::create(def));

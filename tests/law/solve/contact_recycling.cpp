@@ -13,8 +13,8 @@
 
 using namespace lockstone;
 using namespace lockstone::collide;
-using oracle::quantize;
-using oracle::to_double;
+using oracle::as_double;
+using oracle::as_fixed;
 using solve::ContactMemory;
 
 namespace {
@@ -31,7 +31,7 @@ struct Chance {
             const double x = (*this)(-1, 1), y = (*this)(-1, 1), z = (*this)(-1, 1),
                          n = x * x + y * y + z * z;
             if (n < 0.01 || n > 1) continue;
-            return normalized(UnitVec3{quantize<Unit>(x), quantize<Unit>(y), quantize<Unit>(z)});
+            return normalized(UnitVec3{as_fixed<Unit>(x), as_fixed<Unit>(y), as_fixed<Unit>(z)});
         }
     }
 };
@@ -56,7 +56,7 @@ struct Library {
         std::vector<LengthVec3> points;
         for (int i = 0; i < 18; ++i) {
             const UnitVec3 d = chance.direction();
-            const auto at = [&](Unit u) { return quantize<Length>(size * to_double(u)); };
+            const auto at = [&](Unit u) { return as_fixed<Length>(size * as_double(u)); };
             points.push_back({at(d.x), at(d.y), at(d.z)});
         }
         const AssetId id = assets.add(bake_hull(points)).value();
@@ -111,10 +111,10 @@ class Trial {
         for (std::uint32_t i = 0; i < made.count; ++i)
             rows.push_back(memory_of(made.items[i], pose, rotation));
         // Lengths are bounded from above by up to 1.12 times.
-        const double on_face = std::max(0.0001, std::min(0.001, to_double(thinnest) / 128));
-        const double limit = std::min(made.items[0].on_face != 0 ? on_face : 0.0001, to_double(reach) / 256);
+        const double on_face = std::max(0.0001, std::min(0.001, as_double(thinnest) / 128));
+        const double limit = std::min(made.items[0].on_face != 0 ? on_face : 0.0001, as_double(reach) / 256);
         const double most = limit * chance(0.3, 1), part = chance(0, 1);
-        move(most * part, most * (1 - part) / to_double(reach));
+        move(most * part, most * (1 - part) / as_double(reach));
         const tests::Recycled again =
             tests::recycle(rows, {pose.position, rotation, reach, thinnest, margin});
         if (!again.serves) return;
@@ -137,11 +137,11 @@ class Trial {
         const UnitVec3 from = chance.direction();
         const bool upright = pair.a.geometry.kind > ShapeKind::compound;
         rotation = from_axis_angle(chance.direction(),
-                                   quantize<Real>(chance(0, 1) < 0.5 ? chance(-0.02, 0.02) : chance(-3, 3)));
-        const auto at = [&](Unit u) { return quantize<Coordinate>(pair.distance * to_double(u)); };
-        pose.position = upright ? CoordinateVec3{quantize<Coordinate>(chance(-0.4, 0.4)),
-                                                 quantize<Coordinate>(pair.distance),
-                                                 quantize<Coordinate>(chance(-0.4, 0.4))}
+                                   as_fixed<Real>(chance(0, 1) < 0.5 ? chance(-0.02, 0.02) : chance(-3, 3)));
+        const auto at = [&](Unit u) { return as_fixed<Coordinate>(pair.distance * as_double(u)); };
+        pose.position = upright ? CoordinateVec3{as_fixed<Coordinate>(chance(-0.4, 0.4)),
+                                                 as_fixed<Coordinate>(pair.distance),
+                                                 as_fixed<Coordinate>(chance(-0.4, 0.4))}
                                 : CoordinateVec3{at(from.x), at(from.y), at(from.z)};
         if (pair.a.geometry.kind == ShapeKind::plane) pose.position.x = pose.position.z = Coordinate{};
         const double wanted = chance(-0.001, 0.004);
@@ -152,39 +152,39 @@ class Trial {
             const Manifold& m = made.items[0];
             double least = 1e9;
             for (std::uint32_t k = 0; k < m.count; ++k)
-                least = std::min(least, to_double(m.points[k].separation));
+                least = std::min(least, as_double(m.points[k].separation));
             if (std::abs(least - wanted) < 1e-6) break;
             for (int i = 0; i < 3; ++i)
-                pose.position[i] -= quantize<Coordinate>((least - wanted) * to_double(m.normal[i]));
+                pose.position[i] -= as_fixed<Coordinate>((least - wanted) * as_double(m.normal[i]));
         }
         collide::collide(pair.a, pair.b, pose, margin, scratch, made);
         return made.count > 0;
     }
     void move(double by, double turn) {
         const UnitVec3 way = chance.direction(), axis = chance.direction();
-        for (int i = 0; i < 3; ++i) pose.position[i] += quantize<Coordinate>(by * to_double(way[i]));
+        for (int i = 0; i < 3; ++i) pose.position[i] += as_fixed<Coordinate>(by * as_double(way[i]));
         if (pair.a.geometry.kind == ShapeKind::plane) pose.position.x = pose.position.z = Coordinate{};
-        rotation = normalized(from_axis_angle(axis, quantize<Real>(turn)) * rotation);
+        rotation = normalized(from_axis_angle(axis, as_fixed<Real>(turn)) * rotation);
         pose.rotation = to_rotation(rotation);
     }
     void compare(const ContactMemory& row, const std::array<Separation, 4>& separations,
                  const Manifold& fresh, Worst& worst) const {
         const bool on_face = (row.flags & solve::contact_on_face) != 0;
         const UnitVec3 off = row.normal - fresh.normal;
-        const double angle = std::sqrt(to_double(dot<Real>(off, off)));
+        const double angle = std::sqrt(as_double(dot<Real>(off, off)));
         // Another face is the better one now, or another way round an edge: nothing to compare with.
         if (angle > (on_face ? 0.004 : 0.3) || (fresh.on_face != 0) != on_face) return;
         const auto is_axis = [](Unit u) { return abs(u) >= unit_one - Unit::from_raw(4); };
         const bool of_a = is_axis(row.normal.x) || is_axis(row.normal.y) || is_axis(row.normal.z);
         double least = 1e9, least_fresh = 1e9;
         for (std::uint32_t i = 0; i < fresh.count; ++i)
-            least_fresh = std::min(least_fresh, to_double(fresh.points[i].separation));
+            least_fresh = std::min(least_fresh, as_double(fresh.points[i].separation));
         for (std::uint32_t k = 0; k < row.count; ++k) {
-            least = std::min(least, to_double(separations[k]));
+            least = std::min(least, as_double(separations[k]));
             for (std::uint32_t i = 0; i < fresh.count; ++i) {
                 if (row.points[k].feature != fresh.points[i].feature) continue;
                 const double error =
-                    std::abs(to_double(separations[k]) - to_double(fresh.points[i].separation));
+                    std::abs(as_double(separations[k]) - as_double(fresh.points[i].separation));
                 ++worst.compared;
                 if (on_face && pair.is_corner(row.points[k].feature, of_a))
                     worst.corner = std::max(worst.corner, error);
@@ -239,9 +239,9 @@ TEST_CASE("a manifold that is used again is as wrong as its header says, and no 
                 ", corners ", worst.corner * 1e6, " um, the least separation ", worst.least * 1e6, " um");
         CHECK(worst.kept > 300);
         CHECK(worst.compared > 200);
-        CHECK(worst.corner <= to_double(solve::recycling_error));
+        CHECK(worst.corner <= as_double(solve::recycling_error));
         // Beyond the edge of a face a point is held on to by as much as it has moved.
-        CHECK(worst.least <= to_double(solve::recycling_on_face));
+        CHECK(worst.least <= as_double(solve::recycling_on_face));
     }
 }
 
@@ -250,8 +250,8 @@ TEST_CASE("what has moved or turned too far, or is near from further off, is mad
     row.flags = solve::contact_on_face, row.count = 1, row.normal.y = unit_one;
     row.made_rotation = Quat::identity(), row.margin = margin;
     const auto serves = [&](double moved, double turned, Length ahead = margin) {
-        const tests::PairStand now{{quantize<Coordinate>(moved), Coordinate{}, Coordinate{}},
-                                   from_axis_angle({unit_one, Unit{}, Unit{}}, quantize<Real>(turned)),
+        const tests::PairStand now{{as_fixed<Coordinate>(moved), Coordinate{}, Coordinate{}},
+                                   from_axis_angle({unit_one, Unit{}, Unit{}}, as_fixed<Real>(turned)),
                                    Coordinate(1),
                                    Length(1),
                                    ahead};

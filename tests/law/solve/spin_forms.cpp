@@ -10,7 +10,7 @@
 
 using namespace lockstone;
 using namespace lockstone::test::rig;
-using Chance = lockstone::test::Random;
+using Chance = lockstone::test::SplitMix;
 
 namespace {
 

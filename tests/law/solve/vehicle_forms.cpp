@@ -9,7 +9,7 @@
 
 using namespace lockstone;
 using namespace lockstone::solve;
-using Chance = lockstone::test::Random;
+using Chance = lockstone::test::SplitMix;
 
 namespace {
 

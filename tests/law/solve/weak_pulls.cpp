@@ -11,7 +11,7 @@
 
 using namespace lockstone;
 using namespace lockstone::solve;
-using Chance = lockstone::test::Random;
+using Chance = lockstone::test::SplitMix;
 
 namespace {
 

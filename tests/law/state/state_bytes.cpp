@@ -83,7 +83,7 @@ TEST_CASE("a length larger than memory is refused, and so are bytes left over") 
 }
 
 TEST_CASE("a hash over pieces equals the hash of the whole") {
-    Random random(11);
+    SplitMix random(11);
     std::vector<std::byte> bytes(5000);
     for (std::byte& b : bytes) b = static_cast<std::byte>(random.next() & 255u);
     for (const std::uint64_t seed : {std::uint64_t{0}, random.next()})

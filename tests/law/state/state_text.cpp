@@ -27,7 +27,7 @@ TEST_CASE("values print as exact decimals up to twelve places, and rounded there
 }
 
 TEST_CASE("the text of a Real reads back as the same bits") {
-    Random random(7);
+    SplitMix random(7);
     for (int i = 0; i < 20000; ++i) {
         const auto raw = static_cast<std::int64_t>(random.next()) >> random.below(60);
         const std::string text = decimal_text(raw, Real::fraction_bits);

@@ -86,7 +86,7 @@ struct Differences {
     int wrong = 0, met = 0;
 };
 Differences differences(const Assets& assets, const World& w, const World& other, int questions) {
-    Random random(4);
+    RandomPoint random(4);
     Differences found;
     for (int i = 0; i < questions; ++i) {
         const Ray ray = random_ray(random);
@@ -108,7 +108,7 @@ TEST_CASE("the first hit is the first of all hits, which are in order, and any s
     const Assets assets;
     World w = crowd(assets, 80);
     for (int t = 0; t < 30; ++t) w.tick();
-    Random random(3);
+    RandomPoint random(3);
     int several = 0, wrong = 0;
     for (int i = 0; i < 2300; ++i) {
         const Ray ray = random_ray(random);
@@ -125,7 +125,7 @@ TEST_CASE("the first hit is the first of all hits, which are in order, and any s
 TEST_CASE("planted: hits out of order, lost, moved or denied are noticed") {
     const Assets assets;
     const World w = crowd(assets, 80);
-    Random random(3);
+    RandomPoint random(3);
     int planted = 0, noticed = 0;
     for (int i = 0; i < 1000; ++i) {
         const AlongAWay good = ask_ray(w, random_ray(random));
@@ -162,7 +162,7 @@ TEST_CASE("overlap, nearest and distance agree, and a damaged answer is noticed"
     const Assets assets;
     World w = crowd(assets, 60);
     for (int t = 0; t < 20; ++t) w.tick();
-    Random random(6);
+    RandomPoint random(6);
     int wrong = 0, overlapping = 0, near = 0, planted = 0, noticed = 0;
     for (int i = 0; i < 600; ++i) {
         const Geometry g = moving_geometry(assets, i);
@@ -221,7 +221,7 @@ TEST_CASE("filters: categories, kinds, sensors and the own body") {
 TEST_CASE("batches answer like single rays, as many as there is room for") {
     const Assets assets;
     const World w = crowd(assets, 40);
-    Random random(8);
+    RandomPoint random(8);
     std::vector<Ray> rays;
     for (int i = 0; i < 50; ++i) rays.push_back(random_ray(random));
     std::vector<std::optional<QueryHit>> hits(40);

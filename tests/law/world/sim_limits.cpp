@@ -14,7 +14,7 @@ using namespace lockstone::test::scene;
 namespace {
 
 /// Any number: mostly ordinary, often extreme.
-Real number(test::Random& r) {
+Real number(test::SplitMix& r) {
     switch (r.below(40)) {
     case 0:
         return Real::from_raw(static_cast<std::int64_t>(r.next()));
@@ -30,34 +30,34 @@ Real number(test::Random& r) {
         return Real::from_raw((static_cast<std::int64_t>(r.below(2'000'000)) - 1'000'000) * (1 << 14)); // 4
     }
 }
-Vec3 vector(test::Random& r) {
+Vec3 vector(test::SplitMix& r) {
     const Real x = number(r), y = number(r), z = number(r);
     return {x, y, z};
 }
-Quat rotation(test::Random& r) {
+Quat rotation(test::SplitMix& r) {
     if (r.one_in(10)) return {Unit::from_raw(static_cast<std::int32_t>(r.next())), Unit{}, Unit{}, Unit{}};
     const UnitVec3 axis = normalized_or(vector(r), axis_y);
     return from_axis_angle(axis, Real::from_raw(static_cast<std::int64_t>(r.next() >> 28)));
 }
-Transform pose(test::Random& r) {
+Transform pose(test::SplitMix& r) {
     const Vec3 p = vector(r);
     return {p, rotation(r)};
 }
-std::uint32_t flag(test::Random& r, std::uint32_t valid) {
+std::uint32_t flag(test::SplitMix& r, std::uint32_t valid) {
     return r.one_in(12) ? r.below(1000) : r.below(valid);
 }
 
-template <class Tag> Id<Tag> some_id(test::Random& r) { return {r.below(40), r.below(3)}; }
-BodyId some_body(test::Random& r, const World& w) {
+template <class Tag> Id<Tag> some_id(test::SplitMix& r) { return {r.below(40), r.below(3)}; }
+BodyId some_body(test::SplitMix& r, const World& w) {
     return w.body_count() == 0 || r.one_in(12) ? some_id<BodyTag>(r) : w.body_at(r.below(w.body_count()));
 }
-ShapeId some_shape(test::Random& r, const World& w) {
+ShapeId some_shape(test::SplitMix& r, const World& w) {
     const BodyId b = some_body(r, w);
     if (!w.is_alive(b) || w.shapes(b).empty()) return some_id<ShapeTag>(r);
     return w.shapes(b)[r.below(static_cast<std::uint32_t>(w.shapes(b).size()))];
 }
 
-BodyDef body_def(test::Random& r) {
+BodyDef body_def(test::SplitMix& r) {
     BodyDef d;
     d.kind = static_cast<BodyKind>(r.one_in(2) ? 2 : flag(r, 3));
     d.locks = r.one_in(3) ? flag(r, 64) : 0;
@@ -71,7 +71,7 @@ BodyDef body_def(test::Random& r) {
     d.bullet = r.one_in(6) ? flag(r, 2) : 0;
     return d;
 }
-ShapeDef shape_def(test::Random& r) {
+ShapeDef shape_def(test::SplitMix& r) {
     ShapeDef d;
     d.geometry = {static_cast<ShapeKind>(flag(r, 11)), to<Length>(abs(number(r))), to<Length>(vector(r))};
     if (r.one_in(4)) d.geometry.scale = to<Length>(vector(r));
@@ -96,7 +96,7 @@ ShapeDef shape_def(test::Random& r) {
     return d;
 }
 
-FieldDef field_def(test::Random& r) {
+FieldDef field_def(test::SplitMix& r) {
     FieldDef d;
     d.kind = static_cast<FieldKind>(flag(r, 4));
     d.center = vector(r), d.strength = number(r), d.softening = abs(number(r));
@@ -110,12 +110,12 @@ FieldDef field_def(test::Random& r) {
     return d;
 }
 
-ExplosionDef explosion_def(test::Random& r) {
+ExplosionDef explosion_def(test::SplitMix& r) {
     return {vector(r),  abs(number(r)), number(r), abs(number(r)), static_cast<Falloff>(flag(r, 3)),
             0xffffffffu};
 }
 
-Command some_command(test::Random& r, const World& w) {
+Command some_command(test::SplitMix& r, const World& w) {
     const BodyId body = some_body(r, w);
     const Vec3 a = vector(r), b = vector(r);
     switch (r.below(27)) {
@@ -246,7 +246,7 @@ TEST_CASE(
     const std::uint64_t seeds = std::getenv("LOCKSTONE_LONG") != nullptr ? 400 : 20;
     std::uint64_t applied = 0, refused = 0, contacts = 0;
     for (std::uint64_t seed = 0; seed < seeds; ++seed) {
-        test::Random r(seed);
+        test::SplitMix r(seed);
         WorldDef def = small_def();
         def.bodies_max = def.shapes_max = 32, def.contacts_max = 60;
         def.integrator = static_cast<Integrator>(seed % 4);

@@ -135,7 +135,7 @@ struct Tally {
 /// Shots from above, mostly down, at all speeds; some at seams and corners, which lie at whole metres.
 Tally shoot(Wall wall, Shot shot, int count, bool continuous) {
     static const Assets assets;
-    Random random(static_cast<std::uint64_t>(wall) * 100 + static_cast<std::uint64_t>(shot));
+    RandomPoint random(static_cast<std::uint64_t>(wall) * 100 + static_cast<std::uint64_t>(shot));
     Tally tally;
     for (int i = 0; i < count; ++i) {
         WorldDef def = small_def();

@@ -33,7 +33,7 @@ struct Volley {
 
 /// Shots of balls and boxes at plates that come towards them, flee, slide across and turn.
 Volley shoot_plates(int count, BodyKind kind, bool bullet, bool resting_bullet) {
-    Random random(7);
+    RandomPoint random(7);
     Volley volley;
     for (int i = 0; i < count; ++i) {
         World w = made(World::create(weightless()));
@@ -98,7 +98,7 @@ TEST_CASE("planted: bodies that are no bullets pass through thin dynamic ones") 
 }
 
 TEST_CASE("bullets never pass through each other") {
-    Random random(8);
+    RandomPoint random(8);
     int through = 0, touched = 0;
     const int count = samples(100, 3000);
     for (int i = 0; i < count; ++i) {

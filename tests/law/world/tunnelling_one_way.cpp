@@ -30,7 +30,7 @@ struct Tally {
 
 /// Balls, capsules and cubes of 1 to 5 cm and a thin platform, turned anyhow, that meet at 60 to 490 m/s.
 Tally shoot(const Setting& setting, int count) {
-    Random random(17);
+    RandomPoint random(17);
     Tally tally;
     for (int i = 0; i < count; ++i) {
         WorldDef def = weightless();

@@ -15,7 +15,7 @@ struct Shots {
 /// Cones that fall on a plate of 100 m at 30 to 120 m/s, any way up. Through: a core's middle is below the plate after two seconds, far from its
 /// border. Stuck: the body moves as fast as it came, and is where it was.
 Shots shoot(const Geometry& cone, double half_thickness, std::uint32_t continuous) {
-    Random random{7};
+    RandomPoint random{7};
     Shots found;
     for (int i = 0; i < 40; ++i) {
         WorldDef def = WorldDef{};

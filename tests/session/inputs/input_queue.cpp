@@ -47,7 +47,7 @@ TEST_CASE("from a disconnection on inputs are zero, settled and not to be confir
 }
 
 TEST_CASE("a queue agrees with a list that keeps everything, over random use") {
-    test::Random random(3);
+    test::SplitMix random(3);
     InputQueue queue(0, 1);
     std::vector<unsigned> truth;                // by tick
     std::vector<std::pair<unsigned, bool>> ran; // by tick: value, whether it was a guess

@@ -50,7 +50,7 @@ std::vector<std::byte> sample_packet(bool greeting = false, bool sealed = false)
 }
 
 /// Changes, removes, doubles or appends bytes, or makes all of them anew.
-void mutate(std::vector<std::byte>& packet, test::Random& random) {
+void mutate(std::vector<std::byte>& packet, test::SplitMix& random) {
     const std::uint32_t changes = 1 + random.below(4);
     for (std::uint32_t i = 0; i < changes && !packet.empty(); ++i) {
         const std::uint32_t at = random.below(static_cast<std::uint32_t>(packet.size()));
@@ -283,7 +283,7 @@ TEST_CASE("a sealed packet with a wrong field is refused for what is wrong") {
 
 TEST_CASE("inputs of any size and movement come out as they went in, and never take more than three bits "
           "beside their bytes") {
-    test::Random random(7);
+    test::SplitMix random(7);
     for (const std::uint32_t size : {0u, 1u, 2u, 3u, 8u, 17u, 64u})
         for (int kind = 0; kind < 4; ++kind) {
             std::vector<std::vector<std::byte>> inputs(100, std::vector<std::byte>(size));
@@ -333,7 +333,7 @@ TEST_CASE("a hostile peer can send what it likes: the session drops it, counts i
     std::array<std::uint64_t, packet_fault_count> dropped{};
     std::uint64_t ticks = 0, received = 0;
     for (std::uint64_t seed = 1; seed <= 100; ++seed) { // short: an accepted lie may stall a match for good
-        test::Random random(seed);
+        test::SplitMix random(seed);
         Mailbox mailbox_0, mailbox_1;
         SessionDef def;
         def.input_size = 4;

@@ -104,7 +104,7 @@ TEST_CASE(
 TEST_CASE("no bytes break a relay, from above or below") {
     RelayedMatch net(6, relay_def());
     net.watch(false), net.watch(true);
-    test::Random random(5);
+    test::SplitMix random(5);
     std::vector<std::byte> buffer;
     const std::uint32_t match = session::packet_context(net.def).match;
     for (int i = 0; i < 600; ++i) {

@@ -11,7 +11,7 @@ namespace {
 
 std::vector<std::byte> some_bytes(std::size_t count) {
     std::vector<std::byte> bytes(count);
-    test::Random random(count);
+    test::SplitMix random(count);
     for (std::byte& b : bytes) b = static_cast<std::byte>(random.next());
     return bytes;
 }
@@ -30,7 +30,7 @@ TEST_CASE("a state of any size arrives whole, whatever the order of its chunks")
         const std::vector<std::byte> bytes = some_bytes(size);
         const session::Snapshot snapshot(77, 5, bytes);
         session::Assembly assembly(snapshot.offer());
-        test::Random random(size);
+        test::SplitMix random(size);
         for (std::uint64_t tries = 0; !assembly.is_complete(); ++tries) {
             const session::Chunk chunk = chunk_of(snapshot, random.below(snapshot.offer().chunks()));
             const std::uint32_t before = assembly.missing();

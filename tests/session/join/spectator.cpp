@@ -79,7 +79,7 @@ TEST_CASE("who leaves frees its place, who comes beyond the last place is not an
 TEST_CASE("no bytes break a host or a watcher, and what they claim beyond what was sent is ignored") {
     JoinNet watched(2, {.watchers_max = 4});
     JoinNet::Guest& watcher = watched.watch({.hosts = {0}});
-    test::Random random(3);
+    test::SplitMix random(3);
     std::vector<std::byte> buffer;
     const std::uint32_t match = session::packet_context(watched.def).match;
     for (int i = 0; i < 400; ++i) {
