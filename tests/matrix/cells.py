@@ -25,7 +25,7 @@ class Cell:
     sample_ticks: int = 0   # 0: as many in the sample
     state: bool = False     # writes snapshots and recordings, reads those of others
     sample: bool = False
-    three: bool = False     # of tests/run without an option: another byte order, 32 bits with other lanes, another compiler
+    three: bool = False     # of tests/run without an option: another byte order, 32 bits with other lanes, another state of the floating-point unit
     thorough: bool = False  # all games and ticks in the sample as well
     red: bool = False       # a planted fault: this cell has to differ
     browser: bool = False
@@ -85,7 +85,7 @@ def all_cells(cpu_flags):
     built("optimisation", host("g++", "-O2", "-flto"))
     built("optimisation", host("clang++-19", "-O2", "-flto=thin"))
     for cxx in ("clang++-14", "clang++-19"):
-        built("compiler", host(cxx, "-O2"), **(dict(in_sample, three=True) if cxx == "clang++-14" else {}))
+        built("compiler", host(cxx, "-O2"), **(in_sample if cxx == "clang++-14" else {}))
         built("compiler", host(cxx, "-O0"))
     for flags in (("-O3", "-march=native"), ("-O3", "-ffast-math"), ("-O3", "-march=native", "-ffast-math"), ("-O2", "-fno-strict-aliasing"),
                   ("-O2", "-fstrict-aliasing"), ("-O2", "-march=native", "-ffp-contract=fast"), ("-O2", "-march=native", "-ffp-contract=off")):
@@ -103,14 +103,14 @@ def all_cells(cpu_flags):
         built("arithmetic", host("g++", "-O2", *flags))
     built("arithmetic", host("clang++-14", "-O2", PLAIN))
 
-    def run(name, dimension, arguments=(), environment=None, sample=False):
-        cells.append(Cell(name, dimension, REFERENCE, tuple(arguments), environment or {}, sample=sample, thorough=True))
+    def run(name, dimension, arguments=(), environment=None, sample=False, three=False):
+        cells.append(Cell(name, dimension, REFERENCE, tuple(arguments), environment or {}, sample=sample, three=three, thorough=True))
 
     for workers in (1, 2, 3, 4, 6, 8, 12, 16):
         run(f"{workers} workers", "workers", ("--workers", str(workers)), sample=workers == 3)
     for seed in (1, 2, 3):
         run(f"tasks in random order {seed}", "workers", ("--shuffle", str(seed)), sample=seed == 1)
-    run("rounding, flushing and precision change before each tick", "floating-point unit", ("--fpu",), sample=True)
+    run("rounding, flushing and precision change before each tick", "floating-point unit", ("--fpu",), sample=True, three=True)
     for byte in ("0x00", "0xa5", "0xff"):
         run(f"memory poisoned with {byte}", "memory", ("--poison", byte), sample=byte == "0xa5")
     for seed in (1, 2, 3):

@@ -66,7 +66,7 @@ std::string instruction_sets_agree() {
 /// Bodies that roll, bounce and are locked, by several workers and instruction sets.
 std::string heaps_agree() {
     for (const unsigned kind : {features::rolls, features::bounces, features::locks})
-        if (std::string found = features::first_difference(200, kind, kind, 60); !found.empty())
+        if (std::string found = features::first_difference(200, kind, kind, 40); !found.empty())
             return "feature " + std::to_string(kind) + ": " + found;
     return {};
 }

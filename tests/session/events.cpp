@@ -87,7 +87,8 @@ TEST_CASE("a ledger reports the events of a tick that runs again and again") {
         {"the same shape ids on another body: another event",
          {{{event_of(1, 0, 1)}, 0, "P1#0 "}, {{event_of(1, 0, 2)}, 1, "X1#0 C1#1 "}}}};
     for (const auto& [name, runs] : rows) {
-        INFO(std::string(name));
+        const std::string row = name;
+        INFO(row);
         EventLedger ledger(8);
         bool is_over = false;
         for (const Run& run : runs) {
