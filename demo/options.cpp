@@ -23,7 +23,7 @@ std::string scene_list() {
                   "Exit status: 0 all ticks bit-exact, 1 a tick differs, 2 bad usage or bad input.";
 }
 
-/// Digits and nothing else: the parser's own conversion takes -1 for the largest number.
+/// Only digits: the parser's own conversion takes -1 for the largest number.
 CLI::Validator whole_number(std::uint64_t most) {
     const auto check = [most](const std::string& text) {
         const std::optional<std::uint64_t> value = cli::number_of(text);

@@ -36,7 +36,7 @@ class OnlineMatch {
     Phase phase() const { return phase_; }
     const std::string& error() const { return error_; } ///< a sentence; empty: all is well
     bool desynced() const { return desync_tick_.has_value(); }
-    /// Null where the worlds do not differ, or nobody has said where.
+    /// Null where the worlds agree, or where no report names a difference.
     const DesyncReport* desync_report() const { return report_.get(); }
 
     // ---- while meeting, and later ----
@@ -69,7 +69,7 @@ class OnlineMatch {
     /// "600 ticks, hash ..., 37 rollbacks, ..."
     std::string summary() const;
 
-    /// What is confirmed, as a whole file; nothing is confirmed after that. With a world only.
+    /// Closes the recording of all confirmed ticks; no tick is confirmed after that. Only with a world.
     Result<std::span<const std::byte>> recording();
     /// The recording of what is confirmed, and the game that plays it; uses the match up. Nothing: it had not begun.
     struct Recorded {

@@ -145,7 +145,7 @@ Status OnlinePage::begin_recording() {
     return {};
 }
 
-/// However the match has ended: what was confirmed up to there is what tells why.
+/// Whatever ended the match: its confirmed ticks show the reason.
 Status OnlinePage::write_recording() {
     if (!file_ || written_) return {};
     written_ = true;

@@ -87,7 +87,7 @@ struct Frame {
     std::vector<TextLine> text;
 };
 
-/// Whether a line of letters of this size [design px] touches one of the rects.
+/// True if a line of letters of this size [design px] touches one of the rects.
 bool touches(const TextLine& line, const glm::vec2& cell, std::span<const Rect> rects);
 
 /// A pleasant colour for thing number `index`; neighbours differ clearly in hue.

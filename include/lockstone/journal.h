@@ -21,7 +21,7 @@ class Journal {
 
 /// Hash of the whole state after one phase of a tick, for finding where two runs part.
 struct PhaseHash {
-    const char* phase; ///< as PhaseObserver is told it
+    const char* phase; ///< the name that PhaseObserver receives
     std::uint64_t hash;
 };
 

@@ -93,8 +93,9 @@ Proof prove(const Provable& simulation, const ProofOptions& options = {});
 /// Fills `input` with what a player does at a tick: a pure function, zero on entry.
 using ProofInput = std::function<void(std::uint64_t tick, std::uint32_t player, std::span<std::byte> input)>;
 
-/// The same of a game and the world it starts. A second start has to give the same world. It is rolled back through ring images, moved through portable ones, every
-/// column's rows flipped. Without `input`, random bytes from the seed. The error is the game's own, at its start or in a tick.
+/// Runs the checks above on a game and the world of its start; a second start has to give an equal world. The world is rolled back through ring images and
+/// moved through portable ones, and bits of every column are flipped. Without `input` the inputs are random bytes from the seed. Returns the error of the
+/// game, at its start or in a tick.
 Result<Proof> prove(const Game& game, const ProofOptions& options = {}, ProofInput input = {});
 
 } // namespace lockstone

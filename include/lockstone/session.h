@@ -69,8 +69,8 @@ struct SessionDef {
     /// Patience with a peer: how long it may be silent, and how long the match may wait for its inputs, hashes and
     /// acknowledgements (for the last two half as long among three machines or more); every tick that runs makes up for a
     /// tenth of a second, or a sixtieth of it if that is more.
-    /// Then this machine wants it to leave. At most two minutes: packets are numbered by 16 bits, and a link of which 32,768 in a row are
-    /// lost, those of two minutes at 270 polls a second, is heard no more. So lockstep needs an input delay that covers the way from the slowest machine, less
+    /// Then this machine wants it to leave. At most two minutes: packets are numbered by 16 bits, and a link that loses 32,768 packets in a row,
+    /// those of two minutes at 270 polls a second, is dead. So lockstep needs an input delay that covers the way from the slowest machine, less
     /// a tenth of a second: a match that is slower than that throws it out.
     std::uint64_t disconnect_ms = 5000;
     std::uint64_t connect_ms = 30'000; ///< from the first poll: how long a peer may take to appear
@@ -213,8 +213,8 @@ struct PeerIncompatible {
     PeerId peer;
     const char* reason;
 };
-/// The match cannot go on at this machine: the others have dropped it, they cannot agree on who has left when, or nobody has the ticks any
-/// more that it would have to run next. Told once; every later step is stalled. What was confirmed stays true.
+/// The match has ended at this machine: the other machines have dropped it, they cannot agree on a departure, or no machine holds its next ticks any
+/// more. The session reports it once; every later step stalls. Confirmed ticks stay valid.
 struct MatchStopped {
     std::string reason; ///< a sentence
 };
@@ -285,7 +285,7 @@ class Session {
     /// Receives packets, then sends every peer one packet with what it lacks. Call each frame, also when waiting. Time
     /// comes from outside, in milliseconds from any origin; an earlier time than before counts as the same.
     virtual void poll(std::uint64_t now_ms) = 0;
-    /// What a local player does at tick current_tick() + input_delay. A sync test has no delay. Once per tick: repeated before the tick has run
+    /// The input of a local player at tick current_tick() + input_delay. A sync test has no delay. Once per tick: repeated before the tick has run
     /// (a stall), the first stands. Another size, or a player of another machine or of none, asserts.
     virtual void add_local_input(std::uint32_t player, std::span<const std::byte> input) = 0;
     /// Corrects the past if inputs have arrived that differ from the guesses, then runs the next tick if it may.
@@ -345,7 +345,7 @@ class Simulation {
     virtual void restore(const Image& image) = 0;
     virtual void advance(std::span<const PlayerInput> inputs) = 0; ///< one tick
     virtual std::uint64_t hash() const = 0;
-    /// Of the last tick, ascending by kind, shape_a, shape_b, joint, body_a, body_b: asserted.
+    /// Events of the last tick in the order of `precedes` (asserted).
     virtual std::span<const Event> events() const = 0;
     virtual State& state() = 0; ///< for diagnosis: naming a difference, planting a fault
     /// Takes a state from outside. On an error, a sentence, the present one stays.

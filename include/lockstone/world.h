@@ -180,7 +180,7 @@ class World {
     /// The events of the last tick, in the order of EventKind. Empty after restore; valid until the next tick or restore.
     std::span<const Event> events() const;
 
-    /// Of the last tick; found when first asked for. Not state. Valid until the next tick or restore.
+    /// Contact points of the last tick; the first call computes them. Not state. Valid until the next tick or restore.
     using ContactPoint = lockstone::ContactPoint;
     std::span<const ContactPoint> contacts() const;
 

@@ -91,7 +91,7 @@ struct PlacedSolid {
     const Rotation& axes;
     Vec3 position; ///< [m]
 };
-/// Whether the unit direction `axis`, from A to B in A's axes, parts two spheres, capsules, cylinders, boxes or hulls by more than `margin`
+/// True if the unit direction `axis`, from A to B in A's axes, parts two spheres, capsules, cylinders, boxes or hulls by more than `margin`
 /// and a millimetre, which is more than collide rounds and prefers: then it finds no points. False of all other shapes,
 /// and where it is not known.
 bool are_parted(const PlacedSolid& a, const PlacedSolid& b, UnitVec3 axis, Length margin);

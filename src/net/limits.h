@@ -26,7 +26,7 @@ class Bucket {
     bool is_new = true;
 };
 
-/// Who it is that sends: of an address without its port, of IPv6 the first 64 bits, for who has one has all of these.
+/// The bytes that identify a sender: the address without its port; of IPv6 the first 64 bits, since a sender owns all addresses that begin with them.
 Bytes source_of(const NetAddress& address);
 
 /// A bucket for each source, found by a secret hash: sources that share one share its rate, and nobody can choose with whom.

@@ -114,7 +114,7 @@ class ProvableWorld final : public Provable {
     Status status;
 };
 
-/// What is not alike in two worlds that a game started, or nothing.
+/// A sentence about the first difference of two worlds that a game started, or an empty text.
 std::string difference_of_starts(const World& first, const World& second) {
     if (first.hash() == second.hash()) return {};
     if (first.state().layout().schema_hash() != second.state().layout().schema_hash())

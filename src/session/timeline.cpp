@@ -185,9 +185,9 @@ constexpr std::uint64_t snapshot_polls = 120; ///< from one state to the next, a
 constexpr std::uint64_t snapshot_polls_max =
     7200; ///< an older one is kept for who takes it where it has many chunks only
 constexpr std::uint64_t quiet_polls = 60;   ///< a listener that is silent for so long is sent nothing
-constexpr std::uint64_t kept_unheard = 256; ///< [ticks] at least, while nobody listens
+constexpr std::uint64_t kept_unheard = 256; ///< [ticks] least length of the log without listeners
 constexpr std::uint64_t held_times =
-    8; ///< a log is as long as its bound, and so many times as long for who is on the way
+    8; ///< bound of a log for a listener that receives a state, over the usual bound
 constexpr std::uint32_t chunks_per_wish = 2, chunk_times = 8;
 
 /// How long a state is kept for who takes it: as many times as long as its chunks take where none is lost.
@@ -240,7 +240,7 @@ void TimelineHost::make_room() {
     log_first += old;
 }
 
-/// The first tick of the log that somebody takes, or will take after the state that is on its way.
+/// The first tick of the log that a listener reads now, or after the state that it receives.
 std::uint64_t TimelineHost::first_awaited() const {
     std::uint64_t tick = is_snapshot_taken() ? std::max(snapshot->offer().tick, log_first) : log_end();
     for (const Listener& listener : all)
@@ -362,7 +362,7 @@ void TimelineHost::serve_state(Listener& listener, Transport& transport) {
     }
 }
 
-/// What the listener lacks is forgotten: it hears where the log begins.
+/// The log no longer holds the ticks that the listener lacks: it receives the start of the log.
 void TimelineHost::tell_begin(Listener& listener, Transport& transport) {
     if (++listener.polls_without_progress < listener_resend_polls) return;
     listener.polls_without_progress = 0;

@@ -13,7 +13,7 @@ namespace lockstone::session {
 
 inline constexpr std::uint64_t no_tick = 0xffff'ffff; ///< where a packet may leave a tick out
 
-/// A ticket is the life of the machine that asks, and in its low bits how often that life has asked with a new one.
+/// A ticket holds the life of the requesting machine; its low bits count the requests of that life with a new ticket.
 inline constexpr std::uint32_t tickets_of_a_life = 256;
 inline std::uint32_t life_of(std::uint32_t ticket) { return ticket / tickets_of_a_life; }
 

@@ -168,7 +168,7 @@ PairMotion motion_at(const View& v, const CandidatePair& c, Vec3 origin) {
             lockstone::to<Length>(origin - v.poses[c.body_b].position)};
 }
 
-/// Two convex shapes that pass each other have no points but those that lie deeper. What turns less is looked at in the axes of the other one's body.
+/// Two convex shapes that pass each other keep only points that lie deeper than `graze`. The test runs in the frame of the body that turns more.
 void let_pass(const View& v, const CandidatePair& c, collide::Manifolds& manifolds) {
     const Length rim_a = rim_of(*c.at_a), rim_b = rim_of(*c.at_b);
     const bool is_b = rim_b <= rim_a;

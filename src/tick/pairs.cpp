@@ -59,7 +59,7 @@ class Ahead {
     Ahead(UnitVec3 normal, Vec3 at, std::uint32_t shift)
         : n(normal), point(at), up(static_cast<int>(16 + shift)),
           is_upright(n == UnitVec3{Unit{}, unit_one, Unit{}}), height_most(at.y + to<Real>(margin_base)) {}
-    /// Whether bounds reach into it. A bound on the border of the range stands for all that is beyond.
+    /// True if bounds reach into it. A bound at the border of the range also covers everything beyond.
     bool is_reached(const collide::Bounds& bounds) const {
         const auto metres = [&](Bound b) { return Real::from_raw(std::int64_t{b.raw} << up); };
         if (is_upright) return bounds.lower.y == Bound::min() || metres(bounds.lower.y) <= height_most;
@@ -142,7 +142,7 @@ Length pair_margin(const PairView& v, Length widest, std::uint32_t body_a, std::
 }
 
 /// Whether bounds that reach ahead by each shape's own margin still overlap when the pair's margin is `spare` less than
-/// both together. Rounded so that none is missed. A bound on the border of the range stands for all that is beyond.
+/// both together. Rounds so that no pair is missed. A bound at the border of the range also covers everything beyond.
 bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length spare, std::uint32_t shift) {
     if (spare == Length{}) return true;
     const int drop = Length::fraction_bits - Bound::fraction_bits + static_cast<int>(shift);

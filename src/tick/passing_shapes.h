@@ -24,10 +24,10 @@ inline Length rim_of(const PlacedShapes::Shape& shape) {
     return shape.reach > Coordinate(128) ? Length::max() : to<Length>(shape.reach);
 }
 
-/// Whether B passes A within the tick, not deeper in it than `graze`: a direction at right angles to the way between them parts the two now and,
-/// as what moves straight on keeps its distance along it, until the tick ends. Tried are what `normal`, of their manifold in A's axes, and
-/// the axes of both have at right angles to the way. False where it is not known, of kinds that collide::are_parted() does not know, and of what
-/// comes nearer by less than `graze`: it slides along, and the manifold carries it.
+/// True if B passes A within the tick and does not enter it deeper than `graze`: a direction at right angles to their relative motion separates the
+/// two now and, since straight motion keeps the distance along it, until the tick ends. The function tries the parts of `normal` (of their manifold,
+/// in A's axes) and of the axes of both shapes that are at right angles to the motion. False where no direction is found, for kinds that
+/// collide::are_parted() does not support, and for motion that comes nearer by less than `graze`: B slides along A, and the manifold carries it.
 inline bool pass_each_other(const collide::PlacedSolid& a, const collide::PlacedSolid& b, UnitVec3 normal,
                             const PassingWay& way, Length graze, Unit half_tick) {
     constexpr Unit head_on = decimal<Unit>("0.06"); // the sine of the angle between way and direction

@@ -1,8 +1,8 @@
-// Four lanes that know which of their bits have a meaning, and note every operation that reads others.
+// Four lanes that track which of their bits have a meaning, and record every operation that reads others.
 //
 // The high half of a lane that holds a 32-bit number is anything (src/solve/lanes/scalar.h). An instruction set has something in it all the
 // same, and for most it is the sign; a kernel that reads it then works on one machine and not on another. Here it is a rotated copy of
-// the low half, which is no sign, and reading it is noted: as memory checkers do for memory that nobody has written.
+// the low half, which is no sign, and each read of it is recorded, as memory checkers record reads of unwritten memory.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace lockstone::test {
 
-/// What was done with bits that have no meaning, by any thread since the start.
+/// Reads of bits without a meaning, by any thread since the start.
 struct LaneFaults {
     static inline std::atomic<std::uint64_t> count{0};
     static inline std::atomic<const char*> first{nullptr}; ///< the operation; null if there was none

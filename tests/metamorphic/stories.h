@@ -121,7 +121,7 @@ inline void step_joints(World& w) {
     w.tick();
 }
 
-/// Towers that fall asleep, balls that wake them one after the other, a lift that starts and stops, joined pairs.
+/// Towers that fall asleep, balls that wake them in turn, a lift that starts and stops, joined pairs.
 inline World start_sleepers() {
     WorldDef def = drowsy_def();
     def.contacts_max = 400;
@@ -258,7 +258,7 @@ inline Story joint_story(const JointVariant& v, double break_force = 0, double b
             [start] { return start().world; }, step, 40, 8};
 }
 
-/// The same joint, which breaks at 0.95 of the most that it holds.
+/// This joint breaks at 0.95 of its largest load.
 inline Story breaking_story(const JointVariant& v) {
     const Story whole = joint_story(v);
     World w = whole.start();

@@ -1,5 +1,5 @@
-// What moves fast, what is far out, what is heavy, who wakes, in which order contacts are solved, what is torn apart, and what players
-// stand and drive on.
+// Checks of fast bodies, bodies far out, heavy loads, waking, the order of contacts, torn joints, and the ground under characters and
+// vehicles.
 #include "checks.h"
 #include "support/rigs/torn_hinge.h"
 
@@ -136,7 +136,7 @@ std::string sleepers_among_many_wake() {
 ShapeDef elastic(const Geometry& geometry, double friction) {
     return {.geometry = geometry, .friction = scene::real(friction), .restitution = 1_r};
 }
-/// Elastic bodies part as fast as they met, wherever in a tick they touch; cubes that fall on corners gain no energy; and a ball that slides
+/// Elastic bodies part as fast as they met, at any time of the tick of the touch; cubes that fall on corners gain no energy; and a ball that slides
 /// loses friction times both parts of the normal impulse.
 std::string elastic_bodies_bounce() {
     WorldDef def = scene::weightless(WorldDef{});

@@ -71,7 +71,7 @@ std::string heaps_agree() {
     return {};
 }
 
-/// Of the plain set, which here is one that notes when a kernel reads bits of a lane that have no meaning.
+/// The plain set of this program records each read of bits of a lane that have no meaning.
 std::string lanes_have_meaning() {
     for (const auto& [name, size] :
          {std::pair{"convex-pile", 20u}, std::pair{"ragdolls", 1u}, std::pair{"joint-grid", 0u}}) {

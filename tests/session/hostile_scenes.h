@@ -417,7 +417,7 @@ inline std::string join_out_of_nothing(bool of_one_that_plays) {
     return h.trouble(honest, 700);
 }
 
-/// It tells of a ticket that nobody has asked with, greater than all that there may be, and goes. Then one comes back.
+/// The liar names a ticket that no machine has sent, above the greatest valid one, and leaves. Then a machine joins again.
 inline std::string ticket_out_of_nothing() {
     HostileMatch h(4);
     h.match.run(120);

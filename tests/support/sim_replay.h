@@ -9,7 +9,7 @@
 
 namespace lockstone::test::scene {
 
-/// A world that starts anew each time, and does before each tick what its state and its tick say.
+/// A world whose commands before each tick follow from its state and tick.
 struct Story {
     std::string name;
     std::function<World()> start;

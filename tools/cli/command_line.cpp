@@ -29,7 +29,7 @@ int after_output(int status) {
 }
 
 /// Where the caller has closed standard output, the first file that is opened would take its place, and what is printed would go
-/// into it. What stands there instead cannot be written.
+/// into it. The replacement refuses writes.
 void hold_standard_files() {
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (::fcntl(descriptor, F_GETFD) < 0) static_cast<void>(::open("/dev/null", O_RDONLY));

@@ -9,7 +9,7 @@ namespace lockstone::cli {
 Status draw(const std::string& script, const std::string& file) {
     constexpr int absent = 127;
     // Its standard output is not ours: what it cannot write into the file it would print there. It reads all of the script in any
-    // case, so that nobody writes to a pipe that is closed.
+    // case, so that no write goes to a closed pipe.
     std::FILE* const gnuplot =
         ::popen("if command -v gnuplot >/dev/null; then gnuplot >/dev/null; status=$?; else "
                 "status=127; fi; cat >/dev/null; exit $status",

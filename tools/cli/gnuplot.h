@@ -7,8 +7,7 @@
 
 namespace lockstone::cli {
 
-/// Runs a script that writes `file`; check_outputs has looked whether that can be written. What gnuplot prints besides the picture is
-/// nobody's.
+/// Runs a script that writes `file`; check_outputs has checked that it can be written. Drops the messages of gnuplot.
 Status draw(const std::string& script, const std::string& file);
 
 } // namespace lockstone::cli

@@ -92,7 +92,7 @@ Status close_outputs(const Args& args, Started& started, Outputs& out) {
 }
 
 Result<Exit> run(const Args& args) {
-    // Before the work, not after it: an output that cannot be written is told at once.
+    // Tries the outputs before the work, so that the error of an unwritable one comes at once.
     if (Status s = check_outputs({args.record, args.hashes, args.report}, {args.input}); !s) return s.error();
     Result<Started> started = start(args.choice);
     if (!started) return started.error();

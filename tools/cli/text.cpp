@@ -83,7 +83,7 @@ Status check_writable(const std::string& path) {
     std::FILE* const file = std::fopen(path.c_str(), "ab");
     if (file == nullptr) return Error{path + ": cannot write: " + std::strerror(errno)};
     std::fclose(file);
-    // What a link leads to stays, empty: the link itself is not ours to remove.
+    // The target of a link stays, empty: this function does not remove the link of a user.
     if (is_new && !std::filesystem::is_symlink(std::filesystem::symlink_status(path, none)))
         std::filesystem::remove(path, none);
     return {};

@@ -16,7 +16,7 @@ std::string hash_text(std::uint64_t hash);
 /// Text from anywhere as a terminal may have it: control characters and bytes that are no UTF-8 as \x1b, and of more than `most`
 /// characters the first ones and "...".
 std::string shown(std::string_view text, std::size_t most = 40);
-/// 8 of them: all that packets carry of a hash.
+/// 8 of them: packets carry no more of a hash.
 std::string half_hash_text(std::uint32_t lower_half);
 /// Replaces the file. The error names it and the reason.
 Status write_file(const std::string& path, const std::string& text);
@@ -24,10 +24,10 @@ Result<std::string> read_file(const std::string& path);
 /// Before any of the outputs is touched: each can be written, none is a file that is read, and no two are one file. Empty names
 /// are left out.
 Status check_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& sources = {});
-/// Whether write_file and recorders could write it, without a change to what is there. Pipes and devices are taken as good.
+/// Checks that write_file and recorders can write it, and leaves the file as it is. Accepts pipes and devices.
 Status check_writable(const std::string& path);
 
-/// Digits and nothing else, and no more than fit; else nothing.
+/// Accepts only digits whose value fits; returns nothing otherwise.
 std::optional<std::uint64_t> number_of(std::string_view text);
 
 /// Sets the instruction set of that name; of an empty one nothing. The error says what there is.

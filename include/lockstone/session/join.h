@@ -18,9 +18,9 @@
 namespace lockstone {
 
 struct JoinDef {
-    /// Greater each time that this machine comes into this match, 1..16,777,215: of an older one no word is taken. A life asks for the seat
-    /// with 256 tickets, one in two seconds at first and ever fewer, for 4.5 hours; who was let in by nobody until then has to come with a
-    /// greater one.
+    /// 1..16,777,215, greater each time that this machine joins this match: the others ignore packets of an older life. A life requests the seat
+    /// with 256 tickets, one in two seconds at first and fewer later, for 4.5 hours. A machine that is not admitted by then has to join with a
+    /// greater life.
     std::uint32_t life = 1;
     std::uint32_t ticks_per_frame = 4; ///< 1..64: that are run at most while it is behind
     std::uint32_t state_bytes_max =

@@ -49,9 +49,9 @@ class SpectatorHost final : public ConfirmedSink {
 
 /// How to watch.
 struct WatchDef {
-    /// The first one is asked for the match. Others of the same match, if there are any, are asked whether it is the same one,
-    /// and for the match when one before has nothing, lies, or tells nothing new for three seconds. Where none has the next tick any more,
-    /// watching ends (MatchStopped).
+    /// The watcher requests the match from the first host, and hashes from the others, to compare them. It requests the match from the next
+    /// host when the current one has no ticks, lies, or sends nothing new for three seconds. It ends (MatchStopped) when no host holds the next
+    /// tick any more.
     std::vector<PeerId> hosts;
     std::uint32_t ticks_per_frame = 4; ///< 1..64: so many times as fast as it is played a watcher catches up
     /// Begin at a recent state, not at the first tick. It is taken when its hash is what more hosts tell than tell another one, and

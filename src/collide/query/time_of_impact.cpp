@@ -372,8 +372,8 @@ Mover core_ball(const Mover& whole) {
     return ball_of(whole, Coordinate::from_raw(shapes::inner_radius(*whole.solid).raw / 2));
 }
 
-/// Of the core, nearer than this at the start ends any motion towards the piece. Else each tick halves what is left of the gap, until
-/// none is.
+/// A core that is nearer than this at the start does not move towards the piece at all. Without this end each tick would halve the rest of the
+/// gap.
 constexpr std::int64_t core_gap_30 = stop_gap_30 / 64;
 
 /// How much nearer a ball comes along a direction from A; where A moves, at most.

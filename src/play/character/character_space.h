@@ -51,7 +51,7 @@ class CharacterSpace {
     bool ray(Vec3 from, Vec3 way, SpaceHit& hit) const;
     /// How fast the conveyor that was hit goes along its surface, besides its body's motion, world [m/s].
     Vec3 conveyor(const SpaceHit& hit) const;
-    /// Whether any surface of a neighbour is a conveyor.
+    /// True if any surface of a neighbour is a conveyor.
     bool has_conveyor(const Neighbour& n) const;
     /// visit(contact) for the manifolds of one neighbour within `margin`, where it is at the end or the begin of the
     /// tick. `visit` must not ask for contacts itself.

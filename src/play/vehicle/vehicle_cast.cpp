@@ -43,8 +43,8 @@ void find_ground(const Scene& scene, const QueryFilter& filter, const WheelDef& 
 /// Cosine between a ground's normal and an axle from which on a cylinder bears on its rim alone: it leans by 6 degrees.
 constexpr Real rim_cosine = 0.1_r;
 
-/// A cylinder that stands on level ground touches it along a line, of which a cast tells the end that is lower by a rounding. A tyre gives
-/// way: it bears in the middle of the wheel, and the more towards the rim the more the wheel leans.
+/// An upright cylinder touches level ground along a line, and a cast returns the end of the line that is lower by a rounding error. A tyre is soft:
+/// its contact lies in the middle of the wheel, and moves towards the rim as the wheel leans.
 void bring_inwards(const WheelCastWay& way, FirstHit& hit) {
     if (!hit.shape) return;
     const UnitVec3 axle = to_rotation(way.rotation).y;

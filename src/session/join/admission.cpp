@@ -57,7 +57,7 @@ void PeerSession::serve_those_who_come() {
     for (PeerLink& link : links) {
         const bool asks = std::exchange(link.seat.asks, false);
         if (!asks || !link.seat.is_settled) continue;
-        // While it is in, it may have asked again before it could hear of this: it is told of the ticket that it has come in with.
+        // An admitted machine may send another request before it receives its admission: the answer names the ticket of the admission.
         const std::uint32_t settled = link.seat.admission.ticket;
         const bool is_in = link.state != PeerLink::State::gone && life_of(link.seat.wish) == life_of(settled);
         if (link.seat.wish != settled && !is_in) continue;

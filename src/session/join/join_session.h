@@ -82,7 +82,8 @@ class JoinSession final : public Session {
     std::vector<std::pair<PeerId, Admission>> told; ///< by others, of a ticket of this life
     std::uint32_t ticket;
     std::uint64_t now = 0;
-    std::uint64_t asked_ms = 0;  ///< with the newest ticket that nobody had answered one before
+    std::uint64_t asked_ms =
+        0; ///< time of the request with the newest ticket whose predecessors have no answer
     std::uint64_t ticket_ms = 0; ///< with the newest ticket
     bool asks = false, knows_before = false;
     std::uint32_t images;

@@ -48,10 +48,10 @@ class Snapshot {
     std::vector<std::vector<std::uint64_t>> levels; ///< of the tree, from the chunks to the top
 };
 
-/// How long a host may take for a whole state, of which so many chunks are here. It sends two chunks a poll.
+/// Longest time that a host may take for a whole state, given the number of received chunks. It sends two chunks a poll.
 inline std::uint32_t polls_for_state(std::uint32_t chunks_here) { return 600 + 8 * chunks_here; }
 
-/// So far beyond the first missing one a chunk is taken: as far as a wish tells what is here.
+/// Accepted distance of a chunk from the first missing one: the bits of a request cover as many.
 inline constexpr std::uint32_t chunks_ahead = 64;
 
 /// The receiver's side: takes chunks of one offer. Its memory is that of the chunks that are here, and a bit for each: an offer alone costs
@@ -74,7 +74,7 @@ class Assembly {
 
     Offer offered;
     std::vector<std::byte> bytes; ///< up to the last chunk that is here
-    std::vector<bool> have;       ///< likewise
+    std::vector<bool> have;       ///< by chunk, up to the last received one
     std::uint32_t first_missing = 0;
 };
 

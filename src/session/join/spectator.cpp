@@ -210,7 +210,7 @@ void SpectatorSession::next_host() {
     polls_without_progress = polls_fetching = 0;
 }
 
-/// From here on the match is asked of that host: what another one has told of its end, and whether their states differ, is of no account.
+/// Requests the match from that host from here on, and drops the end of the match and the state difference of the previous host.
 void SpectatorSession::ask(std::size_t host) {
     serving_since_ms = counts.last_poll_ms;
     polls_without_ticks = polls_starved = 0;
@@ -218,7 +218,7 @@ void SpectatorSession::ask(std::size_t host) {
     has_told_end = differs = false;
 }
 
-/// Whether the host says for long that there is more than it tells. Then nothing is believed of where the match is.
+/// True if the host has long announced more ticks than it sends. The watcher then ignores its end of the match.
 bool SpectatorSession::is_starved() {
     const bool lacks = current + near_ticks < live_end && ticks.next() <= current + near_ticks;
     polls_starved = lacks && has_told_end ? polls_starved + 1 : 0;
@@ -252,7 +252,7 @@ bool SpectatorSession::is_log_gone() {
     return static_cast<std::size_t>(lacking) == hosts.size() || ++polls_without_log > most_polls;
 }
 
-/// What was run stays true, and there is no way on from it. Where nothing was, another state will do.
+/// The ticks so far stay valid, and no host continues them. Without ticks so far, another state is a valid start.
 void SpectatorSession::begin_anew() {
     polls_without_log = 0;
     for (Host& host : hosts) host.log_begin = 0;

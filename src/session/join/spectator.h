@@ -60,7 +60,7 @@ class SpectatorSession final : public Session {
         std::optional<bool> agrees;              ///< whether the newest hash that it told is ours, too
         bool differs_told = false;
         std::uint64_t heard_ms = 0;
-        std::uint64_t log_begin = 0;    ///< as it told when it lacked what was asked for
+        std::uint64_t log_begin = 0;    ///< from its answer to a request for ticks that it no longer holds
         std::uint32_t packets_read = 0; ///< in this poll
     };
     bool lacks_log(const Host& host) const { return host.log_begin > ticks.next(); }
@@ -98,7 +98,7 @@ class SpectatorSession final : public Session {
     std::uint64_t gone_after_ms = never, serving_since_ms = 0;
     std::vector<std::uint64_t> hashes; ///< own ones, by tick modulo history_ticks
     std::uint64_t first = 0;           ///< tick that was begun with
-    std::uint64_t live_end = 0;        ///< as the host that serves tells, where it has
+    std::uint64_t live_end = 0;        ///< from the packets of the serving host, if any
     bool has_told_end = false;
     std::uint64_t last_end = never;
     std::uint64_t current = 0, confirmed = 0;

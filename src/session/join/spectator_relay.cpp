@@ -54,7 +54,7 @@ class Relay final : public SpectatorRelay {
     }
 
   private:
-    /// Of the host that is asked: nobody else has a say.
+    /// Takes packets of the serving host only.
     bool take(const Datagram& datagram) {
         if (const auto stretch = read_stretch(datagram.bytes, match, tick_bytes)) {
             ticks.take(*stretch, timeline.log_end());

@@ -19,7 +19,7 @@ struct FollowedTurn {
     Vec3 own;       ///< radii of a stiff body as it is [m]
     SpeedVec3 spin; ///< when the tick ends
     std::uint32_t body;
-    /// Of a body whose coming turn is by its momentum: twice its energy per mass, and what rows take for that, |u|^2 [m^2/s^2], 64
+    /// For a body whose next turn follows its momentum: twice its energy per mass, and the value that rows use for it, |u|^2 [m^2/s^2], 64
     /// fraction bits
     Wide energy, energy_of_u;
     bool knows_energy; ///< its coming turn is such a one

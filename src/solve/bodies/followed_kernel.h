@@ -361,7 +361,7 @@ template <class L> class FollowedBodies {
             Bodies b;
             gather(pass, four, lane, b);
             V half[3], q[4], next[4];
-            // What answered alone turns alone.
+            // A body that answered alone turns alone.
             const V alone = L::without(left_before(four, lane), L::load64(&four.stiff[lane]));
             const V left = L::either(alone, half_turn(pass, four, lane, b.motion + 3, half));
             store(four.half, lane, half), load(four.turn, lane, q);

@@ -36,7 +36,7 @@ class FreeTurn {
 
     /// Where a turn by a momentum for 1 / `per_second` leads from a rotation.
     Quat turned(Quat rotation, Vec3 momentum, Real per_second) const;
-    /// The same, with the energy that it began with, though the steps of the turn are off by a little.
+    /// Like the function above, with the energy of the start: the steps of the turn have small errors.
     Quat turned_exactly(Quat rotation, Vec3 momentum, Real per_second) const;
 
     enum class Keep { all, not_above };

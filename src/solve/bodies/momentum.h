@@ -46,7 +46,7 @@ class Momentum {
         }
     }
     Vec3 per_mass() const { return whole; }
-    /// Whether a component by the least radius of gyration, less the same by the largest, is above so much [rad/s], spin_bits.
+    /// True if a component over the least radius of gyration exceeds that over the largest by more than this [rad/s], spin_bits.
     bool spins_above(std::int64_t most) const {
         if (shift(3) < 1) return whole != Vec3{};
         for (const std::int64_t part : parts)

@@ -377,8 +377,8 @@ static std::int64_t spin_most(const StepConstants& step) {
     return (std::int64_t{step.ticks_per_second} * tick_turn_most) << spin_bits;
 }
 
-/// The same as turn() where rounds of the midpoint rule do not converge: a body that is thin, or spins fast. What
-/// pushed it in the tick gives no energy by where it turned to.
+/// Replaces turn() where rounds of the midpoint rule do not converge: a body that is thin, or spins fast. The direction of the
+/// turn adds no energy to the impulses of the tick.
 static void turn_far(const StepConstants& step, const Momentum& momentum, Quat principal, const SolverBody& b,
                      const BodyStep& s, bool is_free, Transform& pose, Velocity& velocity) {
     const FreeTurn turn(s.radii_inv, principal);

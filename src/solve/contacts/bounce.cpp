@@ -34,12 +34,12 @@ template <unsigned N> struct Lane {
     void speeds(const SolverBody& a, const SolverBody& b, std::int64_t (&out)[3]) const {
         speeds_along(a, b, pack.normal_a, pack.normal_b, 0, 1, out);
     }
-    /// Of the two tangents and the twist.
+    /// Speeds along the two tangents and about the normal (the twist).
     void slides(const SolverBody* bodies, std::int64_t (&out)[3]) const {
         speeds_along(bodies[pack.body_a[lane]], bodies[pack.body_b[lane]], pack.slide_a, pack.slide_b, 1, 2,
                      out);
     }
-    /// Along three rows, of which the first `lines` have a linear part: from direction `first` on.
+    /// Speeds along three rows, from direction `first` on; the first `lines` of them have a linear part.
     void speeds_along(const SolverBody& a, const SolverBody& b, const std::int32_t (&rows_a)[3][3][N],
                       const std::int32_t (&rows_b)[3][3][N], int first, int lines,
                       std::int64_t (&out)[3]) const {

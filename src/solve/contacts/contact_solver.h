@@ -65,7 +65,7 @@ class ContactSolver {
                        solve::SolverBodies& bodies, Tasks* tasks = nullptr);
     /// Before velocities are integrated: what comes together faster than 0.25 m/s now is a hit, not a load.
     void begin_substep(const solve::SolverBodies& bodies);
-    /// After that, and before joints give their impulses again: what they give counts with the speeds that hits are told by.
+    /// After begin_substep, and before the warm start of joints: their impulses count towards the closing speed that separates a hit from a load.
     void leave_forces_out(const solve::SolverBodies& bodies);
     void warm_start(solve::SolverBodies& bodies, Tasks* tasks = nullptr);
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.

@@ -105,7 +105,7 @@ void turn_far(Followed f, const StepConstants& step) {
     q[0][i] = next.x.raw, q[1][i] = next.y.raw, q[2][i] = next.z.raw, q[3][i] = next.w.raw;
 }
 
-/// Whether rounds of the midpoint rule do not converge: by the momentum, or as lanes have it, by a turn of half a substep of 1/4 rad.
+/// True if rounds of the midpoint rule do not converge: by the momentum, or as lanes have it, by a turn of half a substep of 1/4 rad.
 bool turns_too_far(const FollowedTurn& turn, Vec3 w, Vec3 momentum, const StepConstants& step) {
     const Vec3 r = turn.radii_inv, speed = abs(w);
     const Real most = max(r.x, max(r.y, r.z)), least = min(r.x, min(r.y, r.z)),

@@ -20,7 +20,7 @@ Real spin_size(const JointTick& tick, const JointWork& work, const JointWorkSide
     return Real::from_raw(static_cast<std::int64_t>(size) << (Real::fraction_bits - Speed::fraction_bits));
 }
 
-/// Of both sides.
+/// The rows of both sides.
 Real most_spin(const JointTick& tick, const JointWork& work) {
     return spin_size(tick, work, work.a) + spin_size(tick, work, work.b);
 }
@@ -63,7 +63,7 @@ UnitVec3 x_axis(Quat q) {
             dropped(x * z - w * y, whole - 1)};
 }
 
-/// Whether a body of a joint has turned by more than 2^-given_turn_bits rad since the tick began. Of joints in packs.
+/// True if a body of a joint in a pack has turned by more than 2^-given_turn_bits rad since the tick began.
 bool has_turned_far(const JointTick& tick, const JointWork& work) {
     const auto seen = [&](const JointWorkSide& s) { return s.world ? 0u : unsigned{tick.seen[s.cache + 1]}; };
     return ((seen(work.a) | seen(work.b)) & seen_far) != 0;

@@ -322,8 +322,8 @@ void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool limi
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
 /// The same of a hinge that its pack makes, with no axis but a twist. False, and nothing changes: it is not one.
 bool make_hinge(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
-/// What the twist of a joint that counts turns is nearest to now, with A's frame at `a`: the last one, or when it turns fast, that of the
-/// tick's start and what B has turned against A since. `before`: what was remembered of the last tick.
+/// The expected twist of a joint that counts turns, with A's frame at `a`: the last twist, or for a fast turn that of the start of the tick
+/// plus the turn of B against A since. `before`: the stored twist of the last tick.
 Real expected_twist(const JointTick& tick, const JointWork& work, Quat a, Real before,
                     const SolverBodies& bodies);
 /// The twist to remember of a joint that counts turns.

@@ -19,7 +19,7 @@ struct Scalar {
     static void store32(std::int32_t* p, V x) { *p = static_cast<std::int32_t>(x); }
     static V load64(const std::int64_t* p) { return *p; }
     static void store64(std::int64_t* p, V x) { *p = x; }
-    /// Of numbers that were made lane by lane. Not by way of memory: what loads a vector waits for parts that were just stored.
+    /// Builds a vector from numbers computed lane by lane, without memory: a load of a vector waits for parts that were just stored.
     static V from_lanes(const std::int64_t (&x)[lanes]) { return x[0]; }
 
     static V add(V a, V b) { return signed_of(bits(a) + bits(b)); }

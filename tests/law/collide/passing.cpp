@@ -1,4 +1,4 @@
-// What flies or rolls past an edge is not stopped by it: contact points that look ahead are of what is in the way.
+// An edge does not stop a body that flies or rolls past it: contact points ahead belong only to shapes in the way.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>

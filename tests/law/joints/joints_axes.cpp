@@ -229,7 +229,7 @@ namespace {
 struct Spun {
     double told = 0;   ///< the joint's angle [rad]
     double turned = 0; ///< by the body's spin [rad]
-    double most = 0;   ///< angle told after any tick, in magnitude
+    double most = 0;   ///< largest angle of the joint after a tick, in magnitude
     double spin = 0;   ///< in the end [rad/s]
 };
 Spun spin_hinge(const JointDef& def, double speed, bool base_spins = false) {

@@ -179,7 +179,7 @@ TEST_CASE("a gear and a rack load the other side with their ratio") {
 
 namespace {
 
-/// A ball of so many kg hangs 1 m below the joint, or beside it. After a second: the force and the torque that the joint tells; none if it broke.
+/// A ball of so many kg hangs 1 m below the joint, or beside it. Returns the force and the torque of the joint after a second; nothing if it broke.
 struct Hung {
     bool holds = false;
     double force = 0, torque = 0;

@@ -248,7 +248,7 @@ TEST_CASE("a conveyor carries a character at its own speed, in its own direction
             w.tick();
             CHECK(stands(w, c));
             const D3 way = feet(w, c) - before;
-            // What is across the surface drives nothing.
+            // A velocity across the surface drives nothing.
             CHECK(std::abs(way[0]) < 1e-4);
             CHECK(std::abs(way[1] - 2.0 / 60 * std::sin(rise)) < 1e-4);
             CHECK(std::abs(way[2] + 2.0 / 60 * std::cos(rise)) < 1e-4);

@@ -241,9 +241,9 @@ TEST_CASE(
         const MassProperties exact =
             mass_properties(rounded(box(0.2_r, 0.5_r, 0.9_r), oracle::as_fixed<Real>(r)), 10_r);
         CHECK(oracle::as_double(hull.mass) == test::about(oracle::as_double(exact.mass), 1e-8));
-        CHECK(
-            oracle::as_double(hull.gyration_squared.x.x) ==
-            test::about(oracle::as_double(exact.gyration_squared.x.x), 0.02)); // 26 corners stand for a ball
+        CHECK(oracle::as_double(hull.gyration_squared.x.x) ==
+              test::about(oracle::as_double(exact.gyration_squared.x.x),
+                          0.02)); // 26 corners approximate a ball
         CHECK(measure(triangulate(solid.geometry, *library)).open_edges == 0);
         CHECK(oracle::as_double(inner_radius(solid)) == test::about(0.2 + r, 1e-6));
     }

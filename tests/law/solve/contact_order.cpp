@@ -395,7 +395,7 @@ TEST_CASE("packs serve again while the order is the same, and not longer") {
 }
 
 // Four centimetres are half of what Box3D leaves in such a heap of a thousand, and a third more than Bullet. Where loads are
-// forgotten as if they were impacts, four of these eight heaps stay deeper; of two dozen as they should be it is one or two, by chance.
+// forgotten as if they were impacts, four of these eight heaps stay deeper; of two dozen correct heaps one or two do.
 TEST_CASE("what is rammed into each other when a heap lands comes apart, in three of four heaps at least") {
     int deeper = 0;
     for (int seed = 1; seed <= test::tries(8); ++seed) {

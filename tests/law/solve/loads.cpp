@@ -1,4 +1,4 @@
-// What rests under a load is no impact, however hard it is pressed and however long a substep is: static friction holds it.
+// A resting load is no impact, whatever its force and the length of a substep: static friction holds it.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>

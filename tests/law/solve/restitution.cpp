@@ -67,7 +67,7 @@ Span energy_after(Geometry geometry, double restitution, int rounds) {
     }
     return span;
 }
-/// Of both, the inertia is the same about all axes: how far they turn within a tick does not change their energy.
+/// Both bodies have equal inertia about all axes, so a turn within a tick does not change their energy.
 const Geometry cube = box(0.4_r, 0.4_r, 0.4_r),
                log_of_wood = cylinder(real(0.4), real(0.4 * 0.8660254037844386));
 

@@ -1,4 +1,4 @@
-// What happens beyond the range of the bounds, 2^(15 + bounds_shift) m from the origin, is what happens near it.
+// Motion beyond the range of the bounds, 2^(15 + bounds_shift) m from the origin, equals motion near it.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -53,7 +53,7 @@ TEST_CASE("a plane holds what lies on it wherever it is") {
         for (const double x : {0.0, 1e5, -1e5})
             for (const double y : {0.0, 1e5, -1e5}) {
                 INFO("degrees ", degrees, ", x ", x, ", y ", y);
-                // Of a plane that is a wall or a ceiling the ball falls away.
+                // The ball falls away from a plane that is a wall or a ceiling.
                 const double height = height_over_plane(x, y, degrees, 0);
                 CHECK(height > 0.5 - contact_margin);
                 if (std::abs(degrees) < 45) CHECK(height < 0.5 + contact_margin);

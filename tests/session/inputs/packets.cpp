@@ -49,7 +49,7 @@ std::vector<std::byte> sample_packet(bool greeting = false, bool sealed = false)
     return {packet.begin(), packet.end()};
 }
 
-/// Changes, removes, doubles or appends bytes, or makes all of them anew.
+/// Changes, removes, doubles or appends bytes, or replaces all of them.
 void mutate(std::vector<std::byte>& packet, test::SplitMix& random) {
     const std::uint32_t changes = 1 + random.below(4);
     for (std::uint32_t i = 0; i < changes && !packet.empty(); ++i) {

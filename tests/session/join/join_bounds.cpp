@@ -1,4 +1,4 @@
-// What hosts keep for those who come, and what these read, keep and wait for: bounds, from the documented ones.
+// Bounds of the logs and states that hosts keep for machines that join, and of the packets, memory and time of a machine that joins.
 #include "session/join/relayed.h"
 
 #include <doctest/doctest.h>
@@ -44,7 +44,7 @@ struct Desk final : Transport {
     }
 };
 
-/// The log of a player's machine, of which each tick is told to one that listens.
+/// The log of a player's machine; it sends each tick to one listener.
 struct Log {
     session::TimelineHost host{two_players(),
                                {.log_ticks_max = two_minutes,

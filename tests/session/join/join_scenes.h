@@ -283,7 +283,7 @@ inline std::string comes_from_afar(std::uint32_t machines, std::uint32_t way_ms)
                : "the inputs of who came late do not count";
 }
 
-/// What machine 0 sends to machine 2 says that the match has gone far further than it has: one packet of the log, or each.
+/// One packet of the log, or each, from machine 0 to machine 2 names an end of the match far beyond the true one.
 struct FarEnd final : Transport {
     Transport* real = nullptr;
     bool always = false, has_lied = false;
@@ -301,7 +301,7 @@ struct FarEnd final : Transport {
     std::optional<Datagram> receive() override { return real->receive(); }
 };
 
-/// Machine 0, which machine 2 asks for the match, tells a far end of it, once and goes, or all the time. Machine 2 comes in.
+/// Machine 0 serves machine 2 and names a far end of the match, once before it leaves, or all the time. Machine 2 joins.
 inline std::string far_end(bool always) {
     FarEnd liar;
     liar.always = always;

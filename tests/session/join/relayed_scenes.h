@@ -103,7 +103,7 @@ inline std::string many_watchers(std::uint32_t count) {
                      std::to_string(for_one) + " for one";
 }
 
-/// Old ticks go, and who comes then begins with a state, or sees nothing.
+/// The log drops old ticks: a machine that joins then begins with a state, or sees nothing.
 inline std::string long_match() {
     RelayedMatch net(3, {.hosts = {0, 1}, .log_ticks_max = 1024, .state_polls = 240});
     net.watch(false);

@@ -1,4 +1,4 @@
-// Who comes on a slow way, while another one pauses, or after a long wait: it is in nevertheless, once and for good.
+// A machine joins over a slow link, while another machine pauses, or after a long wait: it is admitted, exactly once.
 #include "session/join/join_scenes.h"
 
 #include <doctest/doctest.h>

@@ -38,7 +38,7 @@ struct SnapGame : Game {
 
 struct Snapped {
     std::vector<JointId> joints; ///< before the first tick, ascending
-    std::vector<JointId> told;   ///< that break, in the order in which a session tells of them
+    std::vector<JointId> told;   ///< that break, in the order of the events of a session
 };
 inline Snapped run_snap_game() {
     const SnapGame game;

@@ -5,7 +5,7 @@
 
 namespace lockstone::test::scene {
 
-/// Two boxes of 2 m in one place: one is welded to what spins about z, the other one to the world, and their hinge about x cannot hold both.
+/// Two boxes of 2 m in one place: one is welded to a body that spins about z, the other to the world, and their hinge about x cannot hold both.
 /// A ball joint between them makes it close a loop, so that no tree has it.
 struct TornHinge {
     World world;
@@ -37,7 +37,7 @@ inline JointDef hinge_with(const JointAxis& about) {
     def.axis[about_x] = about;
     return def;
 }
-/// The same axes, whose rows packs do not make.
+/// A joint with the same axes; packs do not make its rows.
 inline JointDef wheel_like_hinge(const JointAxis& about) {
     JointDef def = wheel_joint(1_r, 1_r);
     def.axis[along_y] = JointAxis{};

@@ -77,14 +77,14 @@ auto there_throughout(const MatchOutcome& match) {
     return std::ranges::find(match.peers, std::uint64_t{0}, &PeerOutcome::first);
 }
 
-/// Whether one of the two has taken the other for gone by that tick: then each goes on in a match of its own.
+/// True if one of the two had dropped the other by that tick: each then continues in a match of its own.
 bool have_parted(const MatchOutcome& match, PeerId a, PeerId b, std::uint64_t tick) {
     return std::ranges::any_of(match.departures, [&](const Departure& d) {
         return d.tick <= tick && ((d.told_by == a && d.gone == b) || (d.told_by == b && d.gone == a));
     });
 }
 
-/// What two machines confirmed otherwise, in sentences that begin with `name`.
+/// Differences of the confirmed ticks of two machines, as sentences that begin with `name`.
 std::vector<std::string> differences(const MatchOutcome& match, PeerId self, PeerId other,
                                      const std::string& name) {
     const PeerOutcome &peer = match.peers[self], &first = match.peers[other];

@@ -11,7 +11,7 @@
 
 namespace lockstone::cli {
 
-/// Half a year at 60 Hz: more frames than that nobody waits for, and their number fits.
+/// Half a year at 60 Hz; the number of its frames fits.
 inline constexpr std::uint64_t match_ticks_max = 1'000'000'000;
 
 enum class MatchMode { rollback, lockstep };

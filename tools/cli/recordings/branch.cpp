@@ -34,7 +34,7 @@ std::uint64_t ticks_after(const Args& args, const replay::Recording& recording) 
     return args.input.empty() ? 0 : recording.end_tick() - args.at;
 }
 
-/// What the players do from there on; nothing where there are none. Errors come before the output is touched.
+/// The inputs of the players from there on; empty without players. Errors come before the first write to the output.
 Result<std::optional<InputSource>> inputs_of(const Args& args, const Loaded& loaded) {
     if (loaded.game == nullptr) {
         if (args.input.empty()) return std::optional<InputSource>();

@@ -12,7 +12,7 @@ namespace {
 
 // ---- types ---------------------------------------------------------------------------------------------------
 
-/// What the page calls a struct; those with a table of their own. A new one does not compile until it has a name.
+/// The names of structs with a table of their own. A new struct does not compile until it has a name here.
 template <class T> constexpr const char* struct_name = nullptr;
 template <> constexpr const char* struct_name<BodyDef> = "BodyDef";
 template <> constexpr const char* struct_name<ShapeDef> = "ShapeDef";
@@ -147,7 +147,7 @@ template <class T> std::string table_of() {
 struct Definitions {
     std::string text;
     std::vector<std::string> seen;
-    std::vector<NamedLeaves> leaves; ///< of those that may stand in the state
+    std::vector<NamedLeaves> leaves; ///< of the structs that the state may hold
 
     template <class F, class R = OwnRanges> void operator()(const char*, F& value, const R& = {}) {
         if constexpr (is_std_array<F>) {
@@ -184,7 +184,7 @@ template <std::size_t... I> Definitions definitions(std::index_sequence<I...>) {
     return all;
 }
 
-/// Of a world without columns of a game.
+/// The state of a world without columns of a game.
 std::string state_of(std::vector<NamedLeaves> known) {
     known.push_back({"Transform", leaves_of<Transform>()});
     known.push_back({"Vec3", leaves_of<Vec3>()});

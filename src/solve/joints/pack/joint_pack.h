@@ -63,7 +63,7 @@ struct JointPack {
     std::uint32_t count;              ///< lanes in use, from the first on
     std::uint32_t memory[pack_lanes]; ///< of its joint: row of the memory column
     std::int64_t mass[pack_lanes];    ///< as of its JointWork, Real
-    std::uint8_t whole[pack_lanes];   ///< its joint is nothing but this point
+    std::uint8_t whole[pack_lanes];   ///< the joint has no rows but those of this point
     std::uint32_t turn;               ///< entry of JointTick::turns, where turn_rows is not zero
     std::uint32_t turn_rows;          ///< rows of each joint that only turn, solved before its point
     bool hinges;                      ///< they are those of hinges
