@@ -191,7 +191,7 @@ def cost_card(results):
     lines.append(row("that / its 8 ticks alone", *[f"{eight(n)['ratio']:.3f}" for n in names]))
     lines.append(row("snapshot, bytes a body", *[number(found[n]["bytes_per_body"]) for n in names]))
     settings, simd = results["settings"], results["scenes"][0]["engines"][0]["engine"].removeprefix("Lockstone").strip()
-    return lines + ["", f"{settings['cpu']}, g++ {settings['compiler']}, one thread, {simd + ', ' if simd else ''}default settings, nobody asleep."]
+    return lines + ["", f"{settings['cpu']}, g++ {settings['compiler']}, one thread, {simd + ', ' if simd else ''}default settings, every body awake."]
 
 
 # ---- the files -------------------------------------------------------------------------------------------------------
