@@ -25,6 +25,8 @@ class Values {
     std::uint32_t integer(std::uint32_t low, std::uint32_t high, std::uint32_t usual);
     /// The usual value; or the limits, one step inside, and what is spread evenly or by powers of two between.
     Real between(Real low, Real high, Real usual);
+    /// Any value between the two, evenly.
+    Real range(Real low, Real high) { return random.range(low, high); }
     Vec3 each_within(Real most, Vec3 usual = {});
     /// At most `most` long.
     Vec3 as_long_as(Real most);

@@ -1,0 +1,25 @@
+// Compares a mode with the reference mode, tick by tick, and names the first difference.
+#pragma once
+
+#include "modes.h"
+
+namespace worlds {
+
+/// What a run of a story gives: hashes of the whole state and of the outputs, after each tick.
+struct Course {
+    std::vector<std::uint64_t> states, outputs;
+    /// Hash of all of it.
+    std::uint64_t digest() const;
+};
+Course run(const Story& story, const Mode& mode);
+
+struct Departure {
+    std::uint64_t tick; ///< the first after which the two differ
+    std::string about;  ///< phase, column, row and field, or the output that differs
+};
+/// Empty when the mode gives the course. Runs the mode to its first difference, and both again to find its place.
+std::optional<Departure> departure(const Story& story, const Course& expected, const Mode& mode);
+/// The first tick after which a mode differs from the reference; nothing where it does not.
+std::optional<std::uint64_t> first_tick_apart(const Story& story, const Mode& mode);
+
+} // namespace worlds

@@ -1,0 +1,101 @@
+// Draws one story while it plays it: what commands are possible depends on what is in the world.
+#pragma once
+
+#include "attack/worlds/values.h"
+#include "draw.h"
+
+#include <algorithm>
+
+namespace worlds {
+
+using attack::Values;
+
+/// How the bodies of a world lie at first. Each arrangement makes another shape of the graph of contacts.
+enum class Arrangement : std::uint32_t {
+    wide_pit, ///< many bodies side by side: short chains of contacts
+    deep_pit, ///< long chains of contacts
+    towers,   ///< islands that do not touch each other
+    wall,     ///< rows of a wall
+    cloud,    ///< bodies in the air that meet
+    count_,
+};
+
+class Drawer final : Journal {
+  public:
+    Drawer(std::uint64_t seed, const Extent& extent) : v(seed), most(extent), world(start(seed)) {
+        world.set_journal(this);
+    }
+    Drawn run();
+
+  private:
+    void on_command(std::uint64_t tick, const Command& command) override {
+        story.steps.push_back({tick, command});
+    }
+    void on_tick(std::uint64_t, std::uint64_t) override {}
+    void on_restore(std::uint64_t) override {}
+
+    World start(std::uint64_t seed);
+    void choose_size();
+    void choose_features();
+    WorldDef world_def(std::uint64_t seed);
+    bool has(Feature f) const { return story.has(f); }
+    /// True in one of `of` calls, in a world that has the feature.
+    bool is_now(Feature f, std::uint32_t of) { return has(f) && v.chance(of); }
+
+    Vec3 place(std::uint32_t number);
+    BodyDef body_def(Vec3 at);
+    Geometry solid();
+    Geometry of_asset(ShapeKind kind);
+    ShapeDef shape_def(bool is_dynamic);
+    Assembly assembly(Vec3 at);
+    std::vector<Assembly> ground();
+    JointDef joint_def();
+    FieldDef field_def();
+
+    void make(const Assembly& assembly);
+    void add_joint(BodyId a, BodyId b);
+    void add_joints();
+    void add_vehicle();
+    void add_character();
+    void add_ragdoll();
+    void fill();
+    void command();
+    void push();
+    void change_body();
+    void change_shape();
+    void change_actor();
+    void come_and_go();
+
+    BodyId body() { return world.body_at(v.below(world.body_count())); }
+    /// A body that the ground is not; null where there is none.
+    BodyId mover() {
+        for (int i = 0; i < 4; ++i)
+            if (const BodyId b = body(); world.kind(b) != BodyKind::static_) return b;
+        return {};
+    }
+    ShapeId shape() {
+        const std::vector<ShapeId> shapes = world.shapes(body());
+        return shapes.empty() ? ShapeId{} : shapes[v.below(static_cast<std::uint32_t>(shapes.size()))];
+    }
+    template <class T>
+    void told(const Result<T>&) {} // worlds refuse some commands; a refusal is part of the story
+    Real range(Real low, Real high) { return v.range(low, high); }
+    Vec3 vector(Real most_each) {
+        const Real x = range(-most_each, most_each), y = range(-most_each, most_each),
+                   z = range(-most_each, most_each);
+        return {x, y, z};
+    }
+
+    Story story;
+    Values v;
+    Extent most;
+    std::uint32_t bodies = 0, activity = 0;
+    Arrangement arrangement{};
+    Vec3 center{};
+    Real side{};            ///< half of the width of what the bodies fill [m]
+    std::int32_t tower = 1; ///< bodies in a tower
+    std::uint64_t keys = 0;
+    World world;
+};
+
+} // namespace worlds

@@ -1,0 +1,48 @@
+// Short words for worlds that a shrinker wrote down as tests.
+//
+//   Story s = kept(12);                                        twelve ticks
+//   add<CreateBody>(s, 0, [](auto& c) { set(c.def.pose.position.y, 4294967296); });
+//   add<CreateShape>(s, 0, [](auto& c) { name(c.body, 1); });  the body that the first step creates
+//   first_apart(s)                                             empty: all instruction sets give the same bits
+#pragma once
+
+#include "compare.h"
+
+#include <string>
+#include <vector>
+
+namespace worlds {
+
+struct KeptStory {
+    const char* about;
+    Story story;
+};
+/// All that were kept.
+std::vector<KeptStory> kept_stories();
+/// The first instruction set by which a story differs from plain integers, and the tick; empty where none does.
+std::string first_apart(const Story& story);
+
+inline Story kept(std::uint64_t ticks) {
+    Story s;
+    s.ticks = ticks, s.is_symbolic = true;
+    return s;
+}
+
+/// Sets a number by its bits: of a fixed-point value the raw integer.
+template <class T> void set(T& field, std::int64_t raw) {
+    if constexpr (FixedPoint<T>)
+        field = T::from_raw(static_cast<decltype(T{}.raw)>(raw));
+    else
+        field = static_cast<T>(raw);
+}
+
+/// Makes an id the object that a step creates; steps are counted from 1.
+template <class Tag> void name(Id<Tag>& id, std::uint32_t step) { id = {step, 1}; }
+
+template <class C, class Fill> void add(Story& story, std::uint64_t tick, Fill&& fill) {
+    C command{};
+    fill(command);
+    story.steps.push_back({tick, std::move(command)});
+}
+
+} // namespace worlds

@@ -1,0 +1,124 @@
+// Random worlds in random execution modes: all give the bits of the reference mode.
+//
+//   worlds FIRST LAST [--modes N] [--bodies N] [--work N]    compares; on a difference shrinks the world and prints a program
+//   worlds --hashes FIRST LAST                               a line for each seed: seed, digest of its whole course
+//   worlds --planted FIRST LAST                              changes one velocity in one tick: each has to be found, and named
+//   worlds --about FIRST LAST                                a line for each seed: what the world has
+#include "compare.h"
+#include "draw.h"
+#include "shrink.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <string>
+#include <vector>
+
+using namespace worlds;
+
+namespace {
+
+std::string about(const Story& story) {
+    std::string out =
+        std::to_string(story.steps.size()) + " steps, " + std::to_string(story.ticks) + " ticks:";
+    for (std::uint32_t f = 0; f < feature_count; ++f)
+        if (story.has(static_cast<Feature>(f)))
+            out += std::string(" ") + name_of(static_cast<Feature>(f)) + ",";
+    out.pop_back();
+    return out;
+}
+
+/// Of one seed. Returns whether all modes give the same bits.
+bool holds(std::uint64_t seed, std::uint32_t modes, const Extent& extent) {
+    const Drawn drawn = draw(seed, extent);
+    const Course expected = run(drawn.story, reference_mode());
+    Random random = Random::seeded(seed, 99);
+    for (std::uint32_t i = 0; i <= modes; ++i) {
+        Mode mode = i < modes ? draw_mode(random) : reference_mode();
+        if (i == modes && expected.states != drawn.hashes) {
+            mode = Mode{};
+            mode.simd = best_simd(); // the mode in which the story was drawn
+        } else if (i == modes) {
+            continue;
+        }
+        const std::optional<Departure> found = departure(drawn.story, expected, mode);
+        if (!found) continue;
+        std::printf("seed %llu: %s\n  mode: %s\n  first difference: tick %llu, %s\n",
+                    static_cast<unsigned long long>(seed), about(drawn.story).c_str(),
+                    to_string(mode).c_str(), static_cast<unsigned long long>(found->tick),
+                    found->about.c_str());
+        std::fflush(stdout);
+        const Shrunk small = shrink(drawn.story, mode);
+        std::printf("  shrunk to %zu steps, mode: %s\n%s", small.story.steps.size(),
+                    to_string(small.mode).c_str(), program_of(small).c_str());
+        std::fflush(stdout);
+        return false;
+    }
+    return true;
+}
+
+/// Whether a changed velocity is found after its tick, and named.
+bool is_found(std::uint64_t seed, const Extent& extent) {
+    const Story story = draw(seed, extent).story;
+    const Course expected = run(story, reference_mode());
+    Mode mode;
+    mode.simd = best_simd(), mode.planted = 1 + seed % story.ticks;
+    const std::optional<Departure> found = departure(story, expected, mode);
+    if (found && found->tick + 1 == mode.planted && found->about.find("body.velocity") != std::string::npos)
+        return true;
+    std::printf("seed %llu: a velocity changed after tick %llu: %s\n", static_cast<unsigned long long>(seed),
+                static_cast<unsigned long long>(mode.planted - 1),
+                found ? found->about.c_str() : "not found");
+    return false;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    std::vector<std::uint64_t> numbers;
+    std::string what;
+    std::uint32_t modes = 6;
+    Extent extent;
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        const auto value = [&] { return static_cast<std::uint32_t>(std::strtoul(argv[++i], nullptr, 10)); };
+        if (word == "--modes" && i + 1 < argc)
+            modes = value();
+        else if (word == "--bodies" && i + 1 < argc)
+            extent.bodies_most = value();
+        else if (word == "--work" && i + 1 < argc)
+            extent.work = value();
+        else if (word == "--hashes" || word == "--about" || word == "--planted")
+            what = word;
+        else
+            numbers.push_back(std::strtoull(argv[i], nullptr, 10));
+    }
+    if (numbers.size() != 2) {
+        std::fprintf(
+            stderr,
+            "worlds [--hashes | --about | --planted] FIRST LAST [--modes N] [--bodies N] [--work N]\n");
+        return 2;
+    }
+    std::uint64_t differ = 0, worlds = 0;
+    for (std::uint64_t seed = numbers[0]; seed <= numbers[1]; ++seed, ++worlds) {
+        if (what == "--about") {
+            std::printf("%llu %s\n", static_cast<unsigned long long>(seed),
+                        about(draw(seed, extent).story).c_str());
+        } else if (what == "--hashes") {
+            Mode mode;
+            mode.simd = best_simd();
+            std::printf("%llu %016llx\n", static_cast<unsigned long long>(seed),
+                        static_cast<unsigned long long>(run(draw(seed, extent).story, mode).digest()));
+        } else if (what == "--planted") {
+            differ += is_found(seed, extent) ? 0u : 1u;
+        } else if (!holds(seed, modes, extent)) {
+            ++differ;
+        }
+        std::fflush(stdout);
+    }
+    if (what.empty())
+        std::printf("%llu worlds, %llu differ\n", static_cast<unsigned long long>(worlds),
+                    static_cast<unsigned long long>(differ));
+    return differ == 0 ? 0 : 1;
+}
