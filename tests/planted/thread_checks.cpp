@@ -1,6 +1,8 @@
 // What workers share, and what lanes do.
 #include "checks.h"
 #include "lanes/checked_lanes.h"
+#include "metamorphic/worlds/draw.h"
+#include "metamorphic/worlds/kept.h"
 #include "support/rigs/feature_pit.h"
 #include "support/task_worlds.h"
 
@@ -71,6 +73,31 @@ std::string heaps_agree() {
     return {};
 }
 
+/// Small worlds that once differed.
+std::string kept_worlds_agree() {
+    for (const worlds::KeptStory& kept : worlds::kept_stories())
+        if (std::string found = worlds::first_apart(kept.story); !found.empty())
+            return std::string(kept.about) + ": " + found;
+    return {};
+}
+
+/// Some of the random worlds, each in several modes.
+std::string random_worlds_agree() {
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+        const worlds::Story story =
+            worlds::draw(seed, {.bodies_most = 300, .work = 1500, .has_large = false}).story;
+        const worlds::Course expected = worlds::run(story, worlds::reference_mode());
+        Random random = Random::seeded(seed, 98);
+        for (int i = 0; i < 4; ++i) {
+            const worlds::Mode mode = worlds::draw_mode(random);
+            if (const auto found = worlds::departure(story, expected, mode))
+                return "seed " + std::to_string(seed) + ", " + to_string(mode) + ", tick " +
+                       std::to_string(found->tick) + ": " + found->about;
+        }
+    }
+    return {};
+}
+
 /// The plain set of this program records each read of bits of a lane that have no meaning.
 std::string lanes_have_meaning() {
     for (const auto& [name, size] :
@@ -92,6 +119,8 @@ Checks thread_checks() {
             {"islands agree", islands_agree},
             {"instruction sets agree", instruction_sets_agree},
             {"heaps agree", heaps_agree},
+            {"kept worlds agree", kept_worlds_agree},
+            {"random worlds agree", random_worlds_agree},
             {"lanes have a meaning", lanes_have_meaning}};
 }
 

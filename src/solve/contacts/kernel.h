@@ -2,6 +2,7 @@
 //
 // Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
 // too, since the linker keeps one of their copies.
+// Long: normals, friction and impacts of a pack are one class, whose functions the compiler inlines into each other.
 #pragma once
 
 #include "math/roots.h"
@@ -165,7 +166,7 @@ template <class L> class Kernel {
                     Row::load(c.normal_b[0][i]) * at(9 + i);
         }
         if (c.point_count == 1) {
-            add_motion(c.points[0], level);
+            after_motion(c.points[0], level).store(c.points[0].gap);
             return;
         }
         Gap tilt[2];
@@ -182,13 +183,16 @@ template <class L> class Kernel {
             Point& point = c.points[k];
             const auto sum = middle * Unit::splat(one) + Gap::load(point.gap0) * Unit::splat(one) +
                              tilt[0] * Unit::load(point.arm[0]) + tilt[1] * Unit::load(point.arm[1]);
-            rounded_within<gap_bits>(sum, gap_limit).store(point.gap);
+            Gap gap = rounded_within<gap_bits>(sum, gap_limit);
+            // The gap of a contact of one point is that of a pack of such contacts alone, also where its motion is beyond the limit of `middle`.
+            if (k == 0) gap = select(Mask::load(c.several), gap, after_motion(point, level));
+            gap.store(point.gap);
         }
     }
     static constexpr std::int32_t gap_limit = 0x7fffffff;
-    static void add_motion(Point& point, LaneSum<L, gap_bits + row_bits> motion) {
+    static Gap after_motion(const Point& point, LaneSum<L, gap_bits + row_bits> motion) {
         const auto start = Gap::load(point.gap0) * Row::splat(1 << row_bits);
-        rounded_within<gap_bits>(start + motion, gap_limit).store(point.gap);
+        return rounded_within<gap_bits>(start + motion, gap_limit);
     }
 
     // ---- normals -------------------------------------------------------------------------------------------------
@@ -409,7 +413,8 @@ template <class L> class Kernel {
         const Unit impulse_scale = s.soft ? Unit::load(c.impulse_scale) & n.soft : zero;
         Speed w[3];
         if (c.point_count == 1) {
-            n.now[0] = single(c, mass_scale, impulse_scale, n);
+            // Without the mask an idle lane would get an impulse only if another lane of the pack is busy.
+            n.now[0] = single(c, mass_scale, impulse_scale, n) & ~n.idle;
             w[0] = n.now[0] - n.old[0];
             w[1] = w[2] = Speed::splat(0);
         } else

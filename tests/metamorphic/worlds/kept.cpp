@@ -1,0 +1,114 @@
+// Stories that once had other bits in another execution mode. The program worlds found them and made them small.
+#include "kept.h"
+
+namespace worlds {
+
+namespace {
+
+// A point that a contact lacks seems to close at the limit of speeds. Its lane got an impulse if another lane of the pack was busy.
+Story idle_lane() {
+    Story s = kept(1);
+    set(s.def.substeps, 1);
+    set(s.def.sleeping, 0);
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.pose.position.y, 36511427122);
+        set(c.def.pose.position.z, 33739865080);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 1);
+        set(c.def.geometry.radius, 1669332967);
+        set(c.def.local.position.x, -274877890560);
+        set(c.def.local.position.y, 274877906943);
+    });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.angular_velocity.x, 17587891077120);
+        set(c.def.angular_velocity.y, 17587891077120);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 3);
+        set(c.def.geometry.kind, 3);
+        set(c.def.geometry.half_extent.x, 6072914);
+        set(c.def.geometry.half_extent.y, 6443740);
+        set(c.def.geometry.half_extent.z, 6072914);
+    });
+    add<CreateBody>(s, 0, [](auto& c) { (void)c; });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 5);
+        set(c.def.local.position.y, 274877906944);
+    });
+    add<CreateBody>(s, 0, [](auto& c) { set(c.def.angular_velocity.x, -17587891077120); });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 7);
+        set(c.def.geometry.kind, 3);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 1677721600);
+        set(c.def.geometry.half_extent.y, 1677721600);
+        set(c.def.geometry.half_extent.z, 1677721600);
+        set(c.def.local.position.x, 274877841408);
+        set(c.def.local.position.y, -274877906944);
+        set(c.def.local.rotation.x, 496214348);
+        set(c.def.local.rotation.y, -922609280);
+        set(c.def.local.rotation.z, 234508155);
+        set(c.def.local.rotation.w, 22155521);
+    });
+    return s;
+}
+
+// Bodies may move by 15 m in a tick. Beyond 8 m the gap of a contact of one point depended on whether its pack had contacts of several.
+Story far_motion() {
+    Story s = kept(13);
+    set(s.def.substeps, 3);
+    set(s.def.integrator, 1);
+    set(s.def.bounds_shift, 8);
+    set(s.def.sleeping, 0);
+    set(s.def.restitution_speed_min, 0);
+    set(s.def.contact_hertz, 17179869184000);
+    set(s.def.contact_damping, 429496729600);
+    set(s.def.push_speed_max, 16384000);
+    add<CreateBody>(s, 0, [](auto& c) { (void)c; });
+    add<CreateShape>(s, 0, [](auto& c) { name(c.body, 1); });
+    add<CreateBody>(s, 0, [](auto& c) { set(c.def.kind, 0); });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 3);
+        set(c.def.geometry.kind, 9);
+        set(c.def.geometry.radius, 0);
+        set(c.def.local.position.z, 128066539145);
+        set(c.def.local.rotation.x, 452211133);
+        set(c.def.local.rotation.w, 973871961);
+    });
+    add<CreateBody>(s, 0, [](auto& c) { (void)c; });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 5);
+        set(c.def.geometry.kind, 4);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 1677721600);
+        set(c.def.geometry.half_extent.y, 1677721600);
+        set(c.def.geometry.half_extent.z, 41943);
+    });
+    add<CreateField>(s, 12, [](auto& c) {
+        set(c.def.kind, 1);
+        set(c.def.center.z, 4294967296000000000);
+        set(c.def.strength, -429496729600000000);
+    });
+    return s;
+}
+
+} // namespace
+
+std::vector<KeptStory> kept_stories() {
+    return {{"a contact that does nothing gets no impulse from its pack", idle_lane()},
+            {"the gap of a contact of one point does not depend on its pack", far_motion()}};
+}
+
+std::string first_apart(const Story& story) {
+    for (const Simd simd : every_simd) {
+        if (!has_simd(simd)) continue;
+        Mode mode;
+        mode.simd = simd;
+        if (const auto tick = first_tick_apart(story, mode))
+            return std::string(name_of(simd)) + ", tick " + std::to_string(*tick);
+    }
+    return {};
+}
+
+} // namespace worlds
