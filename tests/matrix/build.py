@@ -57,6 +57,9 @@ def together(files):
 
 def sources(build):
     found = [p for pattern in ("src/**/*.cpp", "replay/**/*.cpp", "tools/scenes/**/*.cpp", "tests/matrix/*.cpp") for p in ROOT.glob(pattern)]
+    # Random worlds: what draws them. Execution modes are compared on this machine alone.
+    found += [ROOT / f"tests/metamorphic/worlds/{name}.cpp" for name in ("assets", "draw", "draw_commands", "draw_definitions", "story")]
+    found.append(ROOT / "tests/attack/worlds/values.cpp")
     # The network layer makes no results, and needs libsodium.
     found = [p for p in found if not p.is_relative_to(ROOT / "src/net")]
     if build.target == "wasm":
@@ -123,7 +126,7 @@ class Builder:
         key = hashlib.sha256(repr((build.cxx, build.flags, compiler_flags(build), of_kernels)).encode()).hexdigest()[:12]
         folder = self.folder / f"{build.target or 'host'}-{key}"
         folder.mkdir(parents=True, exist_ok=True)
-        include = [ROOT / name for name in ("include", "src", "", "tools", "tests/matrix")]
+        include = [ROOT / name for name in ("include", "src", "", "tools", "tests/matrix", "tests")]
         own = ["-DNDEBUG", *compiler_flags(build), *[f for f in build.flags if not f.startswith(FOR_THE_LINKER)], *[f"-I{p}" for p in include]]
         if is_like_cl(build.cxx):
             flags = ["-nologo", "-std:c++20", *own, f"-I{self.includes}"]

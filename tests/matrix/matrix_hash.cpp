@@ -2,6 +2,7 @@
 // surroundings the options ask for. Builds with any C++20 compiler for any machine: no library but xxHash's header.
 //
 //   matrix_hash [OPTION...] GAME...      GAME: a Game::name(), as in the golden table
+//   matrix_hash --worlds FIRST COUNT     small random worlds of these seeds; a row for each, with its number of ticks and a hash of all ticks
 //
 //   --ticks N        0: prints the hash of the start alone
 //   --powers         prints ticks 0, 1, 2, 4, 8 ... and the last; else every tick
@@ -16,6 +17,7 @@
 //
 // Exit status: 0 good, 1 a check failed, 2 bad usage.
 #include "host.h"
+#include "metamorphic/worlds/draw.h"
 #include "replay/player.h"
 #include "replay/recorder.h"
 #include "tests/support/scripted_inputs.h"
@@ -38,6 +40,7 @@ struct Options {
     std::uint64_t shuffle = 0, move = 0;
     bool fpu = false;
     std::string write, read;
+    std::uint64_t first_world = 0, worlds = 0;
     std::vector<std::string> games;
 };
 
@@ -85,12 +88,14 @@ Options parse(int argc, char** argv) {
             o.write = value();
         else if (a == "--read")
             o.read = value();
+        else if (a == "--worlds")
+            o.first_world = number(), o.worlds = number();
         else if (a.starts_with("--"))
             refuse("there is no option " + a);
         else
             o.games.push_back(a);
     }
-    if (o.games.empty()) refuse("name a game");
+    if (o.games.empty() && o.worlds == 0) refuse("name a game");
     return o;
 }
 
@@ -197,6 +202,20 @@ void play(const Options& o, const std::string& name) {
     std::printf("# %s: played, %llu ticks agree\n", name.c_str(), static_cast<unsigned long long>(compared));
 }
 
+/// A row for each random world: its number of ticks, and a hash of the hashes of all of them.
+void print_worlds(const Options& o) {
+    for (std::uint64_t seed = o.first_world; seed < o.first_world + o.worlds; ++seed) {
+        const host::FloatingPoint odd(o.fpu, seed);
+        const std::vector<std::uint64_t> hashes =
+            worlds::draw(seed, {.bodies_most = 60, .work = 400, .has_large = false}).hashes;
+        std::vector<std::byte> bytes;
+        for (const std::uint64_t hash : hashes)
+            for (int i = 0; i < 8; ++i) bytes.push_back(static_cast<std::byte>(hash >> (8 * i) & 0xffu));
+        std::printf("world %llu\t%zu\t%016llx\n", static_cast<unsigned long long>(seed), hashes.size(),
+                    static_cast<unsigned long long>(hash_bytes(bytes)));
+    }
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -205,5 +224,6 @@ int main(int argc, char** argv) {
         run(o, game);
         if (!o.read.empty()) play(o, game);
     }
+    print_worlds(o);
     return 0;
 }

@@ -4,7 +4,6 @@
 #include "drawer.h"
 #include "lockstone/play/ragdoll.h"
 
-#include <stdexcept>
 #include <utility>
 
 namespace worlds {
@@ -84,9 +83,7 @@ World Drawer::start(std::uint64_t seed) {
         bodies = std::min(bodies, 120u); // the broad phase is coarse there, and slow
     }
     if (has(Feature::wild)) bodies = std::min(bodies, 60u); // shapes of 100 m overlap all others
-    Result<World> made = World::create(story.def, story_schema(), story_assets());
-    if (!made) throw std::runtime_error(made.error().message);
-    return std::move(*made);
+    return story_world(story.def);
 }
 
 Vec3 Drawer::place(std::uint32_t number) {

@@ -117,12 +117,6 @@ void Player::replace(World other) {
     attach();
 }
 
-World Player::fresh() const {
-    Result<World> made = World::create(story.def, story_schema(), story_assets());
-    if (!made) throw std::runtime_error(made.error().message);
-    return std::move(*made);
-}
-
 void Player::restore(std::uint64_t t) {
     const auto done = [](const Status& status) {
         if (!status) throw std::runtime_error("restore: " + status.error().message);
@@ -140,14 +134,14 @@ void Player::restore(std::uint64_t t) {
     if ((mode.restores & into_fresh) != 0 && random.below(4) == 0) {
         Image image;
         own->save(image);
-        World other = fresh();
+        World other = story_world(story.def);
         other.restore(image);
         replace(std::move(other));
         is_kept = false;
     }
     if ((mode.restores & from_bytes) != 0 && random.below(4) == 0) {
         const std::vector<std::byte> bytes = own->save_portable();
-        World other = fresh();
+        World other = story_world(story.def);
         done(other.restore_portable(bytes));
         replace(std::move(other));
         is_kept = false;
@@ -155,7 +149,7 @@ void Player::restore(std::uint64_t t) {
     if ((mode.restores & from_delta) != 0 && random.below(4) == 0) {
         if (is_kept) {
             const std::vector<std::byte> delta = own->save_delta(kept);
-            World other = fresh();
+            World other = story_world(story.def);
             done(other.restore_delta(kept, delta));
             replace(std::move(other));
             is_kept = false;

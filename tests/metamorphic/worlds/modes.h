@@ -71,7 +71,6 @@ class Player {
     void restore(std::uint64_t t);
     void disturb();
     void look();
-    World fresh() const;
     void tick(std::uint64_t t);
 
     const Story& story;

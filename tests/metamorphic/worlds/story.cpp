@@ -3,8 +3,9 @@
 #include "lockstone/math/random.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <map>
-#include <stdexcept>
 #include <type_traits>
 
 namespace worlds {
@@ -18,8 +19,14 @@ struct Mark {
 };
 template <class V> constexpr void describe(Mark& m, V&& v) { v("value", m.value), v("more", m.more); }
 
+/// Not by an exception: WebAssembly has none here.
+[[noreturn]] void stop(const std::string& sentence) {
+    std::fprintf(stderr, "a story cannot be played: %s\n", sentence.c_str());
+    std::exit(3);
+}
+
 template <class T> T taken(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
+    if (!result) stop(result.error().message);
     return std::move(*result);
 }
 
@@ -38,6 +45,8 @@ const char* name_of(Feature feature) {
     return names[static_cast<std::uint32_t>(feature)];
 }
 
+World story_world(const WorldDef& def) { return taken(World::create(def, story_schema(), story_assets())); }
+
 const GameSchema& story_schema() {
     static const GameSchema schema = [] {
         GameSchema s;
@@ -49,7 +58,7 @@ const GameSchema& story_schema() {
 }
 
 World Teller::start(std::uint64_t order) const {
-    World world = taken(World::create(told.def, story_schema(), story_assets()));
+    World world = story_world(told.def);
     if (!told.start) return world;
     if (order == 0) {
         taken(assemble(world, *told.start));
@@ -115,14 +124,14 @@ Story symbolic(const Story& story) {
     };
     Story out = story;
     out.start.reset();
-    World world = taken(World::create(story.def, story_schema(), story_assets()));
+    World world = story_world(story.def);
     if (story.start) {
         Recorder recorder;
         world.set_journal(&recorder);
         taken(assemble(world, *story.start));
         world.set_journal(nullptr);
         out.steps.insert(out.steps.begin(), recorder.steps.begin(), recorder.steps.end());
-        world = taken(World::create(story.def, story_schema(), story_assets()));
+        world = story_world(story.def);
     }
     Teller teller(out);
     teller.keep_applied();

@@ -81,6 +81,8 @@ struct Story {
 
 /// The columns that the stories' game has besides the engine's.
 const GameSchema& story_schema();
+/// An empty world of a definition. Ends the program where the definition is refused.
+World story_world(const WorldDef& def);
 /// The assets that stories use: ordinary ones, and those at the limits of every kind. Made once.
 std::shared_ptr<const AssetLibrary> story_assets();
 /// Those of a kind that have the size of furniture, or of the ground of a room. The last compound is a floor.
