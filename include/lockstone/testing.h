@@ -3,6 +3,10 @@
 
 #include "lockstone/world.h"
 
+#include <bitset>
+#include <span>
+#include <string_view>
+
 namespace lockstone::testing {
 
 /// What ticks leave behind outside of the state, and no later one may see.
@@ -17,5 +21,12 @@ enum class Leftover : std::uint32_t {
 void disturb(World& world, Leftover what, std::uint64_t seed);
 /// The block itself, for planted faults. No check sees what is written there.
 State& state_of(World& world);
+
+/// Execution paths between which a tick chooses by sizes, workers, lanes and caches; all give the same bits. Bit k is the path path_names()[k].
+using PathSet = std::bitset<192>;
+/// Names of the paths. The sides of a choice follow one another.
+std::span<const std::string_view> path_names();
+/// The paths that the last tick of a world took. Empty before its first tick. A clone begins without paths.
+PathSet paths_taken(const World& world);
 
 } // namespace lockstone::testing

@@ -38,6 +38,11 @@ void for_all_chunks(Tasks* tasks, std::uint32_t count, std::uint32_t chunk, Body
     if (done.load(std::memory_order_relaxed) != count) for_chunks(nullptr, count, chunk, body);
 }
 
+/// True where for_chunks() gives chunks to workers.
+inline bool is_shared(const Tasks* tasks, std::uint32_t count, std::uint32_t chunk) {
+    return tasks != nullptr && count > chunk;
+}
+
 inline std::uint32_t worker_count(const Tasks* tasks) { return tasks == nullptr ? 1 : tasks->worker_count(); }
 
 /// Adds what a chunk counted to a sum that all chunks share: whole numbers, so the order is not seen.

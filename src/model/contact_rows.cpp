@@ -202,6 +202,8 @@ void ContactCopy::write(State& state, const ContactTables& to, Tasks* tasks) {
         add_rows(list.memories[i], all);
     }
     const Written written(state, to, list, all);
+    paths.take(base::is_shared(tasks, count, contacts_per_chunk), base::Path::table_by_one,
+               base::Path::table_by_workers);
     base::for_all_chunks(tasks, count, contacts_per_chunk,
                          [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                              written.put(list, first, last, begins[first / contacts_per_chunk],

@@ -1,6 +1,7 @@
 // Contact tables: how the state holds what contacts remember, and how the tick takes it from there.
 #pragma once
 
+#include "base/paths.h"
 #include "lockstone/state.h"
 #include "lockstone/tasks.h"
 #include "solve/bodies/rows.h"
@@ -47,6 +48,7 @@ struct ContactsBegin {
 class ContactCopy {
   public:
     ContactList list;
+    base::Paths paths; ///< of the tick
 
     /// Makes the list that of the tables.
     void read(const State& state, const ContactTables& from);

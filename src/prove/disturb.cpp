@@ -8,6 +8,7 @@ namespace lockstone::testing {
 
 struct Access {
     static sim::Data& inside_of(World& world) { return *world.impl; }
+    static const sim::Data& inside_of(const World& world) { return *world.impl; }
 };
 
 void disturb(World& world, Leftover what, std::uint64_t seed) {
@@ -15,6 +16,16 @@ void disturb(World& world, Leftover what, std::uint64_t seed) {
 }
 
 State& state_of(World& world) { return Access::inside_of(world).state; }
+
+std::span<const std::string_view> path_names() { return base::path_names; }
+
+PathSet paths_taken(const World& world) {
+    static_assert(base::path_count <= PathSet{}.size());
+    const base::Paths& taken = Access::inside_of(world).scratch.paths;
+    PathSet out;
+    for (std::size_t k = 0; k < base::path_count; ++k) out[k] = taken.has(static_cast<base::Path>(k));
+    return out;
+}
 
 } // namespace lockstone::testing
 

@@ -139,14 +139,16 @@ bool is_same(const Geometry& a, const Geometry& b) {
 /// Places shapes whose solids are known. Writes nothing but them.
 class Placing {
   public:
-    Placing(const PlaceView& view, const collide::BoundsKernel* bounds_kernel)
-        : v(view), kernel(bounds_kernel) {}
+    Placing(const PlaceView& view, const collide::BoundsKernel* bounds_kernel, const base::Paths& taken)
+        : v(view), kernel(bounds_kernel), paths(taken) {}
 
     void add(const ShapeTraits& traits, std::uint32_t row, PlacedShapes::Shape& at) {
         at.is_placed = is_same(at.solid.geometry, traits.geometry);
         if (!at.is_placed) return;
         set_pose(v, traits, row, at);
-        if (kernel == nullptr || !is_round_box(traits.geometry)) return set_bounds(v, at);
+        const bool is_in_lanes = kernel != nullptr && is_round_box(traits.geometry);
+        paths.take(is_in_lanes, base::Path::shapes_one_by_one, base::Path::shapes_in_lanes);
+        if (!is_in_lanes) return set_bounds(v, at);
         put(at);
         if (count == collide::RoundBoxes::room) finish();
     }
@@ -155,6 +157,7 @@ class Placing {
         if (count == 0) return;
         fill_up();
         std::uint32_t left = kernel->place(boxes, count, collide::bounds_drop(v.shift));
+        paths.take(left != 0, base::Path::shapes_none_left, base::Path::shapes_left_by_lanes);
         for (; left != 0; left &= left - 1) set_bounds(v, *shape[std::countr_zero(left)]);
         count = 0;
     }
@@ -189,6 +192,7 @@ class Placing {
 
     const PlaceView& v;
     const collide::BoundsKernel* kernel;
+    const base::Paths& paths;
     std::uint32_t count = 0;
     PlacedShapes::Shape* shape[collide::RoundBoxes::room];
     const Quat unturned = Quat::identity();
@@ -215,6 +219,7 @@ void hand_over_moved(const Model& w, const PlaceView& v, PlacedShapes& s, const 
     if (!at.is_placed) return set_proxy(w, s, shape, row);
     if (at.solid.geometry.kind == ShapeKind::plane) return hand_over(w, s, shape, row);
     at.rests = false;
+    s.paths.take(base::Path::leaves_left);
     s.broad_phase.set(slot, at.bounds, false, motion_of(v, row));
     s.proxy_generation[slot] = shape.id.generation;
 }
@@ -226,6 +231,7 @@ inline bool hand_over_within(PlacedShapes& s, const ShapeRow& shape) {
     if (!at.is_placed || at.filter.kind == ShapeKind::plane || !s.broad_phase.move_within(slot, at.bounds))
         return false;
     at.rests = false;
+    s.paths.take(base::Path::leaves_kept);
     s.proxy_generation[slot] = shape.id.generation;
     return true;
 }
@@ -242,7 +248,7 @@ void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
         }
     };
     const auto place = [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-        Placing placing(v, s.kernel);
+        Placing placing(v, s.kernel, s.paths);
         for (std::uint32_t row = first; row < last; ++row) {
             if (row + 3 < awake && v.info[row + 3].first_shape != 0)
                 base::prefetch(s.shape[v.info[row + 3].first_shape - 1]);
@@ -257,6 +263,8 @@ void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
             if (!hand_over_within(s, shape)) hand_over_moved(w, v, s, shape, row);
         });
     };
+    s.paths.take(base::is_shared(tasks, awake, bodies_per_chunk), base::Path::bounds_by_one,
+                 base::Path::bounds_by_workers);
     if (tasks == nullptr) {
         for (std::uint32_t first = 0; first < awake; first += bodies_per_chunk) { // while they are at hand
             const std::uint32_t last = std::min(first + bodies_per_chunk, awake);
@@ -409,6 +417,7 @@ const shapes::Solid& solid_of(const Model& w, PlacedShapes& s, const ShapeRow& s
 
 void update_bounds(const Model& w, PlacedShapes& s, Tasks* tasks) {
     s.fit(w.state.capacity(w.m.shape_slots));
+    s.paths.take(s.structure_stale, base::Path::resting_kept, base::Path::resting_looked_at);
     if (s.structure_stale)
         update_resting(w, s);
     else

@@ -2,6 +2,7 @@
 // no part of it: what is kept from tick to tick changes speed only.
 #pragma once
 
+#include "base/paths.h"
 #include "collide/bounds_kernel.h"
 #include "collide/broad/broad_phase.h"
 #include "lockstone/math/math.h"
@@ -67,6 +68,7 @@ struct PlacedShapes {
     std::vector<RowRange> changed;
     /// By row of an awake body: 1 when all of its shapes stay within their leaves.
     std::vector<std::uint8_t> is_told;
+    base::Paths paths; ///< of the tick
 };
 
 inline constexpr Length margin_base =

@@ -1,6 +1,7 @@
 // A contact of two shapes in one tick, as events tell it, and whether the two touch.
 #pragma once
 
+#include "base/paths.h"
 #include "lockstone/tasks.h"
 #include "model/contact_rows.h"
 
@@ -38,6 +39,7 @@ inline bool touched(const ContactMemory& first_row) {
 
 /// Settles which pairs touch, after the solver, and puts it into the table for the next tick. Which points the solver had to stop is
 /// forgotten.
-void settle_touching(std::span<ContactResult> results, ContactList& table, Tasks* tasks = nullptr);
+void settle_touching(std::span<ContactResult> results, ContactList& table, const base::Paths& paths,
+                     Tasks* tasks = nullptr);
 
 } // namespace lockstone::sim

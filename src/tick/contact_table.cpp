@@ -36,7 +36,8 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
 }
 
 /// Where each chunk's rows and contacts go, in pair order. What the table has no room for is dropped.
-std::uint32_t place_chunks(Model& w, bool is_cut, std::span<NearChunk> chunks, FoundContacts& out) {
+std::uint32_t place_chunks(Model& w, bool is_cut, std::span<NearChunk> chunks, ContactScratch& s,
+                           FoundContacts& out) {
     const std::uint32_t room =
         w.state.rows_max(w.m.contacts.contacts) - w.state.count(w.m.sleeping_contacts.contacts);
     std::uint32_t rows = 0, contacts = 0, results = 0, dropped = is_cut ? 1 : 0;
@@ -56,6 +57,7 @@ std::uint32_t place_chunks(Model& w, bool is_cut, std::span<NearChunk> chunks, F
     }
     if (chunks.size() != 1) out.results.resize(results);
     out.dropped = dropped;
+    s.paths.take(dropped != 0, base::Path::contacts_all_fit, base::Path::contacts_dropped);
     if (dropped != 0) w.state.edit_row(w.m.faults, 0).contacts_dropped += dropped;
     return rows;
 }
@@ -97,6 +99,7 @@ template <class Row> void move_rows(std::span<Row> rows, std::span<const Contact
 void write_rows(std::span<const NearChunk> chunks, std::span<const ContactResult> results, std::uint32_t rows,
                 ContactList& table, ContactScratch& s) {
     const bool same_keys = find_moves(table, results, rows, s);
+    s.paths.take(same_keys, base::Path::contact_rows_moved, base::Path::contact_rows_in_place);
     std::vector<ContactMemory>& memories = table.memories;
     if (memories.capacity() < rows) memories.reserve(rows + rows / 8);
     memories.resize(std::max<std::size_t>(rows, memories.size()));
@@ -138,13 +141,17 @@ void copy_chunk(const NearChunk& chunk, FoundContacts& out) {
 
 void place_contacts(Model& w, bool is_cut, std::span<NearChunk> chunks, ContactList& table, ContactScratch& s,
                     FoundContacts& out, Tasks* tasks) {
-    const std::uint32_t rows = place_chunks(w, is_cut, chunks, out);
+    const std::uint32_t rows = place_chunks(w, is_cut, chunks, s, out);
     if (chunks.size() == 1) {
         std::swap(out.contacts, chunks[0].contacts), std::swap(out.heads, chunks[0].heads);
     } else {
         out.contacts.resize(chunks.empty() ? 0 : chunks.back().first_contact + chunks.back().contacts.size());
         out.heads.resize(out.contacts.size());
-        base::for_all_chunks(tasks, static_cast<std::uint32_t>(chunks.size()), 8,
+        constexpr std::uint32_t copied_at_once = 8;
+        const auto count = static_cast<std::uint32_t>(chunks.size());
+        s.paths.take(base::is_shared(tasks, count, copied_at_once), base::Path::chunks_copied_by_one,
+                     base::Path::chunks_copied_by_workers);
+        base::for_all_chunks(tasks, count, copied_at_once,
                              [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                                  for (const NearChunk& chunk : chunks.subspan(first, last - first))
                                      copy_chunk(chunk, out);

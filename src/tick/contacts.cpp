@@ -26,6 +26,7 @@ struct View {
     const PlacedShapes& placed;
     const CharacterScratch* movers; ///< null: no contacts are left to characters
     const solve::PairKernel& kernel;
+    const base::Paths& paths;
     std::span<const ShapeTraits> traits;
     std::span<const Slot> body_slots;
     std::span<const Transform> poses;
@@ -35,11 +36,11 @@ struct View {
     Unit half_tick; ///< [s]
 
     View(const Model& model, const PlacedShapes& shapes_placed, const CharacterScratch* characters,
-         std::span<const ContactMemory> table, const solve::PairKernel& pair_kernel)
-        : w(model), placed(shapes_placed), movers(characters), kernel(pair_kernel),
-          traits(w.state.rows(w.m.shape_traits.row)), body_slots(w.state.rows(w.m.body_slot)),
-          poses(w.state.rows(w.m.body_pose)), velocities(w.state.rows(w.m.body_velocity)), old(table),
-          awake(w.header().bodies_awake),
+         std::span<const ContactMemory> table, const ContactScratch& scratch)
+        : w(model), placed(shapes_placed), movers(characters), kernel(*scratch.pair_kernel),
+          paths(scratch.paths), traits(w.state.rows(w.m.shape_traits.row)),
+          body_slots(w.state.rows(w.m.body_slot)), poses(w.state.rows(w.m.body_pose)),
+          velocities(w.state.rows(w.m.body_velocity)), old(table), awake(w.header().bodies_awake),
           half_tick(Unit::from_raw(unit_one.raw / (2 * static_cast<std::int32_t>(w.config().tick_rate)))) {}
     BodyId body(std::uint32_t row) const { return w.state.rows(w.m.body_info)[row].id; }
 };
@@ -391,7 +392,11 @@ void collide_window(const View& v, std::span<WindowPair> pairs, NarrowWorker& wo
                     std::uint32_t& next_row) {
     PairWindow& window = worker.window;
     place_pairs(v, pairs, window);
-    for (WindowPair& pair : pairs) choose_rows(v, worker, chunk, pair);
+    v.paths.take(pairs.size() == PairWindow::pairs_max, base::Path::window_partial, base::Path::window_full);
+    for (WindowPair& pair : pairs) {
+        choose_rows(v, worker, chunk, pair);
+        v.paths.take(pair.is_kept, base::Path::manifold_made, base::Path::manifold_kept);
+    }
     const auto rows_of = [&](const WindowPair& pair) {
         const std::span<const ContactMemory> made = chunk.memories;
         return pair.is_kept ? pair.old : made.subspan(pair.fresh, pair.row_count);
@@ -433,7 +438,9 @@ void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::
             if (soon.old_count != 0) base::prefetch(v.old[soon.old_first]);
         }
         find_candidate(v, near[i], pair.shapes);
-        if (are_still_parted(pair.shapes, near[i])) continue;
+        const bool is_parted = are_still_parted(pair.shapes, near[i]);
+        v.paths.take(is_parted, base::Path::pair_looked_at, base::Path::pair_still_parted);
+        if (is_parted) continue;
         base::prefetch(*pair.shapes.a), base::prefetch(*pair.shapes.b);
         pair.near = &near[i];
         pair.old = v.old.subspan(near[i].old_first, near[i].old_count);
@@ -447,7 +454,7 @@ void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::
 
 bool has_contact_points(const Model& w, const PlacedShapes& placed, const NearPair& near,
                         ContactScratch& scratch) {
-    const View view(w, placed, nullptr, {}, *scratch.pair_kernel);
+    const View view(w, placed, nullptr, {}, scratch);
     CandidatePair pair;
     find_candidate(view, near, pair);
     if (are_still_parted(pair, near)) return false;
@@ -467,8 +474,11 @@ void collide(Model& w, const PlacedShapes& placed, const CharacterScratch& mover
              ContactList& table, ContactScratch& s, FoundContacts& out, Tasks* tasks) {
     const std::uint32_t pairs = static_cast<std::uint32_t>(near.list.size());
     // All of them where one worker does the work, so nothing has to be put together.
-    const std::uint32_t chunk_size = tasks != nullptr ? 16 : std::max(pairs, 1u),
+    constexpr std::uint32_t pairs_per_chunk = 16;
+    const std::uint32_t chunk_size = tasks != nullptr ? pairs_per_chunk : std::max(pairs, 1u),
                         chunk_count = (pairs + chunk_size - 1) / chunk_size;
+    s.paths.take(base::is_shared(tasks, pairs, pairs_per_chunk), base::Path::collide_by_one,
+                 base::Path::collide_by_workers);
     while (s.chunks.size() < chunk_count) {
         NearChunk& chunk = s.chunks.emplace_back();
         chunk.memories.reserve(chunk_size / 2);
@@ -476,8 +486,7 @@ void collide(Model& w, const PlacedShapes& placed, const CharacterScratch& mover
             chunk.results.reserve(chunk_size);
     }
     if (s.workers.size() < base::worker_count(tasks)) s.workers.resize(base::worker_count(tasks));
-    const View view(w, placed, movers.order_of_body.empty() ? nullptr : &movers, table.memories,
-                    *s.pair_kernel);
+    const View view(w, placed, movers.order_of_body.empty() ? nullptr : &movers, table.memories, s);
     base::for_chunks(
         tasks, pairs, chunk_size, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
             collide_chunk(view, first, last, near.list, s.workers[worker], s.chunks[first / chunk_size]);

@@ -66,6 +66,7 @@ struct ContactScratch {
     std::vector<RowMove> row_moves; ///< of kept rows of the contact table
     std::vector<NarrowWorker> workers;
     const solve::PairKernel* pair_kernel = solve::kernels_of(best_simd())->pairs;
+    base::Paths paths; ///< of the tick
 
     /// As one thread needs it, which makes one chunk of all pairs.
     void reserve(std::size_t rows) {

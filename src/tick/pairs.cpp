@@ -190,6 +190,8 @@ void find_keys(const PairView& view, PairScratch& s, Tasks* tasks) {
     base::make_room(keys, count);
     keys.resize(count);
     s.near_counts.resize((count + filtered_per_chunk - 1) / filtered_per_chunk);
+    s.paths.take(base::is_shared(tasks, count, filtered_per_chunk), base::Path::keys_by_one,
+                 base::Path::keys_by_workers);
     base::for_all_chunks(tasks, count, filtered_per_chunk,
                          [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                              std::uint32_t near = 0;
@@ -326,8 +328,10 @@ void list_near(PlacedShapes& placed, const ContactList& table, std::size_t most,
     out.is_cut = near > most;
     base::make_room(out.list, std::min(near, most));
     out.list.resize(std::min(near, most)); // those of the tick before the last one are written over
-    if (out.is_cut || tasks == nullptr || count <= listed_per_chunk)
-        return list_some(placed, table, s, 0, count, out.list, out.ended);
+    const bool is_shared = !out.is_cut && base::is_shared(tasks, count, listed_per_chunk);
+    s.paths.take(out.is_cut, base::Path::near_all, base::Path::near_cut);
+    s.paths.take(is_shared, base::Path::near_by_one, base::Path::near_by_workers);
+    if (!is_shared) return list_some(placed, table, s, 0, count, out.list, out.ended);
     s.ended.resize(std::max<std::size_t>(s.ended.size(), count / listed_per_chunk + 1));
     base::for_all_chunks(
         tasks, count, listed_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {

@@ -63,6 +63,7 @@ struct PairScratch {
     JoinedBodies joined;
     ChangeMark filters_of; ///< what the broad phase's filter was made of
     std::vector<RowRange> changed;
+    base::Paths paths; ///< of the tick
 
     void reserve(const WorldRows& rows) { joined.reserve(rows); }
 };

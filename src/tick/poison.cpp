@@ -17,7 +17,7 @@ void poison_narrow(std::byte with, collide::NarrowScratch& scratch, collide::Man
 /// Of what is awake, which every tick places anew. What rests stays where it was placed; so do the other caches.
 void poison_shapes(std::byte with, PlacedShapes& placed) {
     auto& [solids, broad_phase, kernel, structure_stale, is_current, shape, planes, proxy_generation,
-           proxies_of, awake_before, solids_replaced, changed, is_told] = placed;
+           proxies_of, awake_before, solids_replaced, changed, is_told, paths] = placed;
     poison(with, changed, is_told);
     is_current = false;
     for (PlacedShapes::Shape& one : shape)
@@ -40,7 +40,7 @@ void poison_query(std::byte with, QueryScratch& query) {
 /// The hints of pairs are forgotten.
 void poison_pairs(std::byte with, PairScratch& scratch, NearPairs& found) {
     auto& [pairs, plane_pairs, merged_pairs, at_plane, keys, near_counts, of_chunks, before, joined,
-           filters_of, changed] = scratch;
+           filters_of, changed, paths] = scratch;
     auto& [list, is_cut, ended] = found;
     poison(with, pairs, plane_pairs, merged_pairs, at_plane, keys, near_counts, ended);
     for (std::vector<ContactResult>& some : of_chunks) poison(with, some);
@@ -48,7 +48,7 @@ void poison_pairs(std::byte with, PairScratch& scratch, NearPairs& found) {
 }
 
 void poison_contacts(std::byte with, ContactScratch& scratch, FoundContacts& found) {
-    auto& [chunks, row_moves, workers, pair_kernel] = scratch;
+    auto& [chunks, row_moves, workers, pair_kernel, paths] = scratch;
     auto& [results, contacts, heads, dropped] = found;
     poison(with, row_moves, results, contacts, heads, dropped);
     for (NearChunk& chunk : chunks) {
@@ -66,7 +66,7 @@ void poison_contacts(std::byte with, ContactScratch& scratch, FoundContacts& fou
 }
 
 void poison_sweep(std::byte with, SweepScratch& sweep) {
-    auto& [workers, driven] = sweep;
+    auto& [workers, driven, paths] = sweep;
     poison(with, driven);
     for (SweepScratch::Worker& worker : workers)
         poison(with, worker.near.open, worker.near.proxies, worker.touching, worker.stopped);
@@ -88,7 +88,7 @@ void poison_characters(std::byte with, CharacterScratch& characters) {
 
 void poison_bodies(std::byte with, solve::SolverBodies& bodies) {
     auto& [body, step, push, drift, pull, joint_pulls, turns, fours, plain, forms, form_of, starts, fall,
-           clamps, kernel] = bodies;
+           clamps, kernel, paths] = bodies;
     poison(with, body, step, push, drift, pull, joint_pulls, turns, fours, plain, forms, form_of, starts,
            fall, clamps);
 }
@@ -98,8 +98,8 @@ void poison_bodies(std::byte with, solve::SolverBodies& bodies) {
 void poison_scratch(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& scratch,
                     std::byte with) {
     auto& [characters, pair_scratch, near, table, contact_scratch, found, pose_before, joints, fields, step,
-           step_of, bodies, contacts, joint_solver, vehicles, vehicle_solver, fluids, sweep, broken,
-           islands] = scratch;
+           step_of, bodies, contacts, joint_solver, vehicles, vehicle_solver, fluids, sweep, broken, islands,
+           paths] = scratch;
     poison_characters(with, characters);
     poison_pairs(with, pair_scratch, near);
     table.poison(with);

@@ -437,6 +437,8 @@ void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> work
                         Tasks* tasks) {
     const std::uint32_t rows = w.header().bodies_awake;
     for (SweepScratch::Worker& worker : sweep.workers) worker.stopped.clear();
+    sweep.paths.take(base::is_shared(tasks, rows, sweeps_per_chunk), base::Path::sweep_by_one,
+                     base::Path::sweep_by_workers);
     base::for_chunks(
         tasks, rows, sweeps_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
             const Hand hand{sweep.workers[worker], workers[worker].narrow};
@@ -449,6 +451,9 @@ void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> work
                     sweep.workers[worker].stopped.push_back({row, *stopped});
             }
         });
+    const bool any_stops =
+        std::ranges::any_of(sweep.workers, [](const auto& worker) { return !worker.stopped.empty(); });
+    sweep.paths.take(any_stops, base::Path::sweep_stops_none, base::Path::sweep_stops_some);
     for (const SweepScratch::Worker& worker : sweep.workers)
         for (const StoppedBody& body : worker.stopped) w.state.edit_row(w.m.body_pose, body.row) = body.at;
 }
@@ -482,6 +487,9 @@ void sweep_fast_bodies(Model& w, PlacedShapes& placed, const PosesBefore& before
     const std::uint32_t workers = base::worker_count(tasks);
     if (sweep.workers.size() < workers) make_workers(sweep, workers);
     s.driven = sweep.driven; // which making workers may move
+    sweep.paths.take(sweep.driven.size() > driven_max, base::Path::driven_compared,
+                     base::Path::driven_in_trees);
+    sweep.paths.take(any_bullet, base::Path::sweep_without_bullets, base::Path::sweep_with_bullets);
     placed.broad_phase.update_trees();
     sweep_plain_bodies(w, s, narrow, sweep, tasks);
     if (!any_bullet) return;

@@ -40,6 +40,7 @@ struct SweepScratch {
     };
     std::vector<Worker> workers;
     std::vector<std::uint32_t> driven; ///< shapes of awake bodies that are not dynamic
+    base::Paths paths;                 ///< of the tick
 };
 
 /// Poses of fast bodies in the state, from those before the tick and where finish_step put them. A pure function of these.

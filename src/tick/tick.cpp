@@ -73,14 +73,17 @@ bool find_constants(const Config& c, TickScratch& s) {
 /// Bounds and pairs, again while something awake wakes what it touches.
 void find_near(const Tick& t, const Scene& scene) {
     TickScratch& s = t.s;
+    bool again = false;
     do {
         update_bounds(t.w, t.placed, t.hooks.tasks);
         passed(t, "update_bounds");
         s.table.read(t.w.state, t.w.m.contacts);
         find_pairs(t.w, t.placed, s.table.list, s.pair_scratch, s.near, t.hooks.tasks);
         passed(t, "find_pairs");
-    } while (wake_touched(t.w, t.placed, s.near.list, s.contact_scratch, s.islands) ||
-             s.vehicles.cast(t.w, scene));
+        again = wake_touched(t.w, t.placed, s.near.list, s.contact_scratch, s.islands) ||
+                s.vehicles.cast(t.w, scene);
+        s.paths.take(again, base::Path::nothing_woken, base::Path::islands_woken);
+    } while (again);
 }
 
 solve::FreeMotion motion_of(const Tick& t) {
@@ -101,7 +104,9 @@ void both_sets(const Tick& t, const OfContacts& contacts, const OfJoints& joints
     constexpr std::size_t many = 64;
     Tasks* const tasks = t.hooks.tasks;
     const bool are_many = std::min(t.s.found.contacts.size(), t.s.joints.all.size()) >= many;
-    if (base::worker_count(tasks) > 1 && are_many) return base::run_both(*tasks, contacts, joints);
+    const bool at_once = base::worker_count(tasks) > 1 && are_many;
+    t.s.paths.take(at_once, base::Path::solvers_in_turn, base::Path::solvers_at_once);
+    if (at_once) return base::run_both(*tasks, contacts, joints);
     contacts(tasks);
     joints(tasks);
 }
@@ -112,6 +117,7 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     Model& w = t.w;
     Tasks* const tasks = t.hooks.tasks;
     const bool other_step = find_constants(w.config(), s);
+    s.paths.take(other_step, base::Path::step_kept, base::Path::step_new);
     const std::span<const JointMemory> memory = w.state.rows(w.m.joint_memory);
     solve::begin_step(columns, w.header().gravity, s.step, s.bodies, tasks);
     list_joints(w, s.joints);
@@ -224,9 +230,41 @@ void update_sleep(const Tick& t) {
     Model& w = t.w;
     s.table.write(w.state, w.m.contacts, t.hooks.tasks);
     find_resting(w, {s.found.heads, s.joints.all, s.vehicle_solver.standing()}, s.islands);
+    s.paths.take(!s.islands.resting.empty(), base::Path::nothing_falls_asleep,
+                 base::Path::islands_fall_asleep);
     if (s.islands.resting.empty()) return;
     find_contact_points(w, t.placed, s.pose_before, s.table.list, s.found, t.out.contact_points);
     put_to_sleep(w, t.placed, s.islands.resting, t.out.events);
+}
+
+// ---- the paths that a tick took --------------------------------------------------------------------------------
+
+/// Calls visit(paths) for the sets of the phases, which the solvers do not keep for themselves.
+template <class Visit> void for_each_paths(const Tick& t, const Visit& visit) {
+    TickScratch& s = t.s;
+    visit(t.placed.paths), visit(t.placed.broad_phase.paths), visit(s.pair_scratch.paths);
+    visit(s.contact_scratch.paths), visit(s.table.paths), visit(s.sweep.paths), visit(s.bodies.paths);
+}
+/// A call between ticks may take a path too: it belongs to no tick.
+void begin_paths(const Tick& t) {
+    TickScratch& s = t.s;
+    s.contacts.take_paths(s.paths), s.joint_solver.take_paths(s.paths);
+    for_each_paths(t, [](base::Paths& some) { some.clear(); });
+    s.paths.clear();
+    s.paths.take(base::worker_count(t.hooks.tasks) > 1, base::Path::one_worker, base::Path::many_workers);
+    s.paths.take(s.contacts.level() != Simd::scalar, base::Path::lanes_scalar, base::Path::lanes_wide);
+    const std::size_t most =
+        std::max(t.w.state.rows(t.w.m.body_traits.row).size(), t.w.state.rows(t.w.m.shape_traits.row).size());
+    s.paths.take(most > shared_rows_compared, base::Path::shared_rows_all_compared,
+                 base::Path::shared_rows_beyond);
+}
+void end_paths(const Tick& t) {
+    TickScratch& s = t.s;
+    s.contacts.take_paths(s.paths), s.joint_solver.take_paths(s.paths);
+    if (!s.vehicles.driven().empty())
+        s.paths.take(s.vehicle_solver.has_convoys(), base::Path::vehicles_alone,
+                     base::Path::vehicles_in_convoy);
+    for_each_paths(t, [&](const base::Paths& some) { s.paths.add(some); });
 }
 
 } // namespace
@@ -237,6 +275,7 @@ void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& s, T
     const Scene scene{w, placed, query, hooks.tasks};
     out.events.clear(), out.contact_points.clear(), out.phase_hashes.clear();
     if (poisons_scratch && w.header().tick % 2 != 0) poison_scratch(w, placed, query, s, std::byte{0xa5});
+    begin_paths(t);
     checkpoint(t, "commands");
 
     move_characters(w, placed, s.characters, hooks.tasks);
@@ -257,13 +296,14 @@ void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& s, T
     checkpoint_with_contacts(t, "sweep_fast_bodies");
 
     break_joints(w, s.joints, s.broken, out.events);
-    settle_touching(s.found.results, s.table.list, hooks.tasks);
+    settle_touching(s.found.results, s.table.list, s.paths, hooks.tasks);
     publish_events(w, placed, s.near, s.found, s.characters.landings, s.table.list, out.events);
     out.contact_points.wait = true;
     update_sleep(t);
     order_events(out.events);
     ++w.edit_header().tick;
     placed.is_current = false;
+    end_paths(t);
     checkpoint(t, "update_sleep");
 }
 

@@ -57,6 +57,8 @@ struct TickScratch {
     SweepScratch sweep;
     std::vector<JointId> broken;
     IslandScratch islands;
+
+    base::Paths paths; ///< of the last tick, once it is over
 };
 
 /// What the last tick has to say, besides the state.

@@ -18,24 +18,26 @@ bool was_stopped(std::span<const ContactMemory> rows) {
 
 } // namespace
 
-void settle_touching(std::span<ContactResult> results, ContactList& table, Tasks* tasks) {
+void settle_touching(std::span<ContactResult> results, ContactList& table, const base::Paths& paths,
+                     Tasks* tasks) {
     constexpr std::uint32_t chunk = 256;
     constexpr std::size_t ahead = 8;
-    base::for_chunks(tasks, static_cast<std::uint32_t>(results.size()), chunk,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (ContactResult& result : results.subspan(first, last - first)) {
-                             if (const std::size_t soon = result.first_row + ahead;
-                                 soon < table.memories.size())
-                                 base::prefetch(table.memories[soon]);
-                             const std::span<ContactMemory> rows =
-                                 std::span(table.memories).subspan(result.first_row, result.row_count);
-                             const bool is_sensor = (result.flags & solve::contact_sensor) != 0;
-                             result.is_touching = result.is_touching || (!is_sensor && was_stopped(rows));
-                             for (ContactMemory& row : rows)
-                                 row.flags &= ~std::uint32_t{solve::contact_touching | solve::contact_hit};
-                             if (result.is_touching) rows[0].flags |= solve::contact_touching;
-                         }
-                     });
+    const auto count = static_cast<std::uint32_t>(results.size());
+    paths.take(base::is_shared(tasks, count, chunk), base::Path::results_by_one,
+               base::Path::results_by_workers);
+    base::for_chunks(tasks, count, chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+        for (ContactResult& result : results.subspan(first, last - first)) {
+            if (const std::size_t soon = result.first_row + ahead; soon < table.memories.size())
+                base::prefetch(table.memories[soon]);
+            const std::span<ContactMemory> rows =
+                std::span(table.memories).subspan(result.first_row, result.row_count);
+            const bool is_sensor = (result.flags & solve::contact_sensor) != 0;
+            result.is_touching = result.is_touching || (!is_sensor && was_stopped(rows));
+            for (ContactMemory& row : rows)
+                row.flags &= ~std::uint32_t{solve::contact_touching | solve::contact_hit};
+            if (result.is_touching) rows[0].flags |= solve::contact_touching;
+        }
+    });
 }
 
 } // namespace lockstone::sim

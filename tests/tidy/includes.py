@@ -58,7 +58,7 @@ HOMES = [
     # Every standard library has these beside what moves, swaps and pairs.
     ("utility algorithm functional map memory optional tuple variant array deque set string vector", "forward move pair swap"),
     ("variant", "get_if holds_alternative monostate variant variant_alternative_t variant_size_v visit"),
-    *((name, name) for name in ("array", "deque", "map", "set", "vector")),
+    *((name, name) for name in ("array", "bitset", "deque", "map", "set", "vector")),
 ]
 HOMES_OF = {name: homes.split() for homes, names in HOMES for name in names.split()}
 

@@ -13,6 +13,11 @@
 
 namespace lockstone::collide {
 
+using base::Path;
+
+/// Pairs of leaves, and leaves that changed, per piece of work that workers take.
+static constexpr std::uint32_t overlaps_per_chunk = 1024, fresh_per_chunk = 16;
+
 BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin) : margin(leaf_margin) {
     grow(proxy_capacity);
     reserve(proxy_capacity);
@@ -110,6 +115,8 @@ void BroadPhase::update_trees() {
         entry.leaf = BoundsTree::none;
     }
     for (bool is_fixed : {false, true}) {
+        if (anew[is_fixed] || changes[is_fixed] != 0)
+            paths.take(anew[is_fixed], Path::tree_updated, Path::tree_rebuilt);
         if (anew[is_fixed])
             rebuild(is_fixed);
         else if (changes[is_fixed] != 0)
@@ -122,6 +129,7 @@ void BroadPhase::update_trees() {
 void BroadPhase::move_leaves(bool is_fixed, std::uint32_t count) {
     BoundsTree& tree = tree_of(is_fixed);
     const bool all_at_once = tree.can_refit() && count > tree.leaf_count() / 8;
+    paths.take(all_at_once, Path::leaves_moved_one_by_one, Path::leaves_refit_at_once);
     for (std::uint32_t proxy : moved) {
         const Entry& entry = entries[proxy];
         if (!entry.stays || entry.in_fixed != is_fixed) continue;
@@ -170,9 +178,12 @@ bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_
     if (gave_up)
         for (std::uint32_t proxy = 0; proxy < entries.size(); ++proxy)
             if (entries[proxy].present) note_move(proxy);
+    paths.take(is_other, Path::pair_filter_kept, Path::pair_filter_new);
+    paths.take(!changed.empty(), Path::leaf_pairs_kept, Path::leaf_pairs_found);
     if (!changed.empty() || is_other) {
         update_trees();
         gave_up = !find_leaf_pairs(leaf_pairs_max, filter, is_other, tasks);
+        paths.take(gave_up, Path::pairs_listed, Path::pairs_in_crowd);
         if (gave_up) {
             out.clear();
             return false;
@@ -190,7 +201,9 @@ void BroadPhase::keep_overlaps(std::vector<ProxyPair>& out, Tasks* tasks) {
     if (merged.size() < leaf_pairs.size()) merged.resize(leaf_pairs.size());
     const Bounds* const exact = exact_bounds.data();
     const std::uint32_t count = static_cast<std::uint32_t>(leaf_pairs.size()),
-                        chunk = tasks != nullptr ? 1024 : std::max(count, 1u);
+                        chunk = tasks != nullptr ? overlaps_per_chunk : std::max(count, 1u);
+    paths.take(base::is_shared(tasks, count, overlaps_per_chunk), Path::overlaps_by_one,
+               Path::overlaps_by_workers);
     kept_of_chunk.resize((count + chunk - 1) / chunk);
     base::for_all_chunks(tasks, count, chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
         ProxyPair* kept = merged.data() + first;
@@ -284,9 +297,11 @@ void BroadPhase::find_pairs_of(std::uint32_t proxy, const PairFilter& filter, st
 }
 
 bool BroadPhase::find_fresh_pairs(std::size_t found_max, const PairFilter& filter, Tasks* tasks) {
-    constexpr std::uint32_t chunk = 16;
+    constexpr std::uint32_t chunk = fresh_per_chunk;
     const std::uint32_t count = static_cast<std::uint32_t>(changed.size());
-    if (tasks == nullptr || count <= chunk) {
+    const bool is_shared = base::is_shared(tasks, count, chunk);
+    paths.take(is_shared, Path::fresh_pairs_by_one, Path::fresh_pairs_by_workers);
+    if (!is_shared) {
         for (std::uint32_t proxy : changed) {
             find_pairs_of(proxy, filter, found, barred, open);
             if (found.size() + barred.size() > found_max) return false;

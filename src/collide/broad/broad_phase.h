@@ -5,6 +5,7 @@
 #pragma once
 
 #include "base/assert.h"
+#include "base/paths.h"
 #include "collide/broad/tree.h"
 #include "collide/swept_box.h"
 #include "lockstone/tasks.h"
@@ -96,6 +97,9 @@ class BroadPhase {
     void rebuild_trees(Random& random);
     /// Forgets the pairs of about half of the proxies, chosen at random.
     void forget_pairs(Random& random);
+
+    /// The paths that calls took since they were last cleared.
+    base::Paths paths;
 
     /// Of a proxy that is there.
     const Bounds& bounds(std::uint32_t proxy) const { return exact_bounds[proxy]; }

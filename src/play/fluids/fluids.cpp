@@ -292,7 +292,11 @@ void FluidSolver::push(const Model& w, const StepConstants& step, solve::SolverB
                        Tasks* tasks) const {
     if (wet.empty()) return;
     const std::span<const Transform> poses = w.state.rows(w.m.body_pose);
-    base::for_chunks(tasks, static_cast<std::uint32_t>(wet.size()), 16,
+    constexpr std::uint32_t wet_per_chunk = 16;
+    const auto count = static_cast<std::uint32_t>(wet.size());
+    bodies.paths.take(base::is_shared(tasks, count, wet_per_chunk), base::Path::fluids_by_one,
+                      base::Path::fluids_by_workers);
+    base::for_chunks(tasks, count, wet_per_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          std::uint64_t clamped = 0;
                          for (std::uint32_t i = first; i < last; ++i) {

@@ -185,7 +185,9 @@ template <class Visit>
 void for_each_body(BodyPass pass, Move kernel, SolverBodies& bodies, Tasks* tasks, const Visit& visit) {
     // Twice in every substep: of fewer bodies it costs less than that workers hear of it.
     constexpr std::uint32_t shared_from = 2048;
-    base::for_chunks(bodies.still() < shared_from ? nullptr : tasks, bodies.still(), body_chunk,
+    Tasks* const by = bodies.still() < shared_from ? nullptr : tasks;
+    bodies.paths.take(by != nullptr, base::Path::moves_by_one, base::Path::moves_by_workers);
+    base::for_chunks(by, bodies.still(), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          BodyPass part = pass;
                          part.first = first, part.last = last;

@@ -242,7 +242,9 @@ static void find_forms(const BodyColumns& c, const StepConstants& step, SolverBo
         const BodyTraits& traits = c.all_traits[info.traits];
         GyrationForm& form = out.forms.emplace_back(form_of(traits.mass));
         number = static_cast<std::uint32_t>(out.forms.size());
-        if (info.kind != BodyKind::dynamic || out.starts.size() == starts_max) continue;
+        if (info.kind != BodyKind::dynamic) continue;
+        out.paths.take(out.starts.size() == starts_max, base::Path::starts_shared, base::Path::starts_alone);
+        if (out.starts.size() == starts_max) continue;
         out.starts.push_back(start_of(traits, form, out.fall, step));
         form.start = static_cast<std::uint32_t>(out.starts.size());
     }
@@ -335,6 +337,8 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     out.fall = {{}, {}, gravity};
     per_substep(gravity, step, out.fall.dv);
     find_forms(c, step, out);
+    out.paths.take(base::is_shared(tasks, count, body_chunk), base::Path::bodies_by_one,
+                   base::Path::bodies_by_workers);
     base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
         ClampCounts clamps;
         begin_some(c, step, out, first, last, clamps);
@@ -400,7 +404,7 @@ static void turn_far(const StepConstants& step, const Momentum& momentum, Quat p
 /// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
 /// kept exactly up to rounding: K is taken at the middle of the turn (midpoint rule, second order).
 static void turn(const BodyTraits& traits, const StepConstants& step, const SolverBody& b, BodyStep& s,
-                 Transform& pose, Velocity& velocity) {
+                 const base::Paths& paths, Transform& pose, Velocity& velocity) {
     const Vector3<Separation> theta{Separation::from_raw(b.theta[0]), Separation::from_raw(b.theta[1]),
                                     Separation::from_raw(b.theta[2])};
     const Vec3 rotation = masked(over_gyration<Real>(s, theta), s.angular_mask);
@@ -416,8 +420,11 @@ static void turn(const BodyTraits& traits, const StepConstants& step, const Solv
     }
     const Momentum momentum(s, u, traits.mass.principal);
     const bool is_free = is_free_turn(rotation, in_a_tick(w, step));
-    if (momentum.spins_above(spin_most(step)))
+    if (momentum.spins_above(spin_most(step))) {
+        paths.take(base::Path::turn_far);
         return turn_far(step, momentum, traits.mass.principal, b, s, is_free, pose, velocity);
+    }
+    paths.take(base::Path::turn_by_midpoint);
     const auto halved = [](Vec3 v) { return Vec3{half(v.x), half(v.y), half(v.z)}; };
     if (is_free) {
         for (std::int32_t i = 0; i < free_turn_steps; ++i) {
@@ -463,7 +470,7 @@ static std::uint64_t finish_body(const StepConstants& step, SolverBodies& bodies
         c.velocity[i].angular = bodies.turns[s.turn - 1].spin;
         return clamped;
     }
-    turn(c.traits(i), step, b, s, c.pose[i], turned);
+    turn(c.traits(i), step, b, s, bodies.paths, c.pose[i], turned);
     if (s.movable) c.velocity[i].angular = turned.angular;
     return clamped;
 }
@@ -484,7 +491,11 @@ void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColu
                 rows[in_lanes++] = i;
             else if (bodies.step[i].moves)
                 left[alone++] = i;
-        if (in_lanes != 0) alone += bodies.kernel->finish(pass, rows, in_lanes, left + alone);
+        if (in_lanes != 0) {
+            const std::uint32_t by_lanes = bodies.kernel->finish(pass, rows, in_lanes, left + alone);
+            bodies.paths.take(by_lanes != 0, base::Path::ends_in_lanes, base::Path::ends_left_by_lanes);
+            alone += by_lanes;
+        }
         std::uint64_t clamped = 0;
         for (std::uint32_t k = 0; k < alone; ++k) clamped += finish_body(step, bodies, c, left[k]);
         base::add_count(bodies.clamps.position, clamped);

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "base/parallel.h"
+#include "base/paths.h"
 #include "solve/bodies/body_kernel.h"
 #include "solve/bodies/followed_body.h"
 #include "solve/bodies/rows.h"
@@ -133,6 +134,7 @@ struct SolverBodies {
     BodyPush fall;                       ///< of what gravity alone pushes
     ClampCounts clamps;
     const BodyKernel* kernel = nullptr; ///< null: all bodies are moved one by one, to the same bits
+    base::Paths paths;                  ///< of the tick
 
     void reserve(std::size_t bodies) {
         body.reserve(bodies + 1), step.reserve(bodies + 1), push.reserve(bodies), turns.reserve(bodies),

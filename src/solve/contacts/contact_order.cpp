@@ -134,7 +134,9 @@ void ContactOrder::find(std::span<const ContactHead> contacts, const SolverBodie
         all_kinds = 0, ++versions;
         return;
     }
-    if (read(contacts, bodies) && is_known) return;
+    const bool is_kept = read(contacts, bodies) && is_known;
+    paths.take(is_kept, base::Path::order_found, base::Path::order_kept);
+    if (is_kept) return;
     const bool has_same_links = is_known && now.links == before.links && now.movable == before.movable;
     is_known = true;
     std::swap(down, down_before);

@@ -57,6 +57,8 @@ class ContactOrder {
 
     static constexpr std::uint32_t no_level = 0xffffffffu;
 
+    base::Paths paths; ///< of the tick
+
   private:
     bool read(std::span<const ContactHead> contacts, const SolverBodies& bodies);
     void find_levels();

@@ -322,8 +322,20 @@ bool ContactPacks::serve(const ContactOrder& order, const Wanted& wanted) const 
     return others <= nodes.size() / other_sort_share;
 }
 
+void ContactPacks::note_strands() const {
+    using base::Path;
+    paths.take(strand_count > 1, Path::contacts_one_strand, Path::contacts_many_strands);
+    paths.take(grace != 0, Path::packs_without_grace, Path::packs_with_grace);
+    if (by_island)
+        paths.take(Path::strands_by_island);
+    else if (strand_count > 1)
+        paths.take(runs_all, Path::strands_by_place, Path::strands_by_order);
+}
+
 void ContactPacks::make(const ContactOrder& order, const Wanted& wanted, std::span<const Transform> poses) {
-    if (serve(order, wanted)) return;
+    const bool are_kept = serve(order, wanted);
+    paths.take(are_kept, base::Path::packs_made, base::Path::packs_kept);
+    if (are_kept) return note_strands();
     made_of = order.version(), made = wanted;
     nodes.resize(order.down_from_the_top().size());
     const std::uint32_t longest = find_nodes(order);
@@ -331,6 +343,7 @@ void ContactPacks::make(const ContactOrder& order, const Wanted& wanted, std::sp
     // follow one another there is no time for that.
     grace = std::size_t{longest} * wanted.lanes < nodes.size() / 4 ? 1 : 0;
     share_out(order, wanted, longest, poses);
+    note_strands();
     pack_all(order, wanted.lanes);
     if (runs_all && !by_island) find_waits_between_passes(order, wanted.lanes);
     if (strand_count > 1) cut_pieces();

@@ -12,6 +12,7 @@
 // strand of the last contact that moves it, after the piece that has this contact; in the next pass the first contact that moves it waits for that.
 #pragma once
 
+#include "base/paths.h"
 #include "base/strands.h"
 #include "lockstone/math/vec.h"
 #include "solve/contacts/contact_cut.h"
@@ -55,6 +56,8 @@ class ContactPacks {
 
     void poison(std::byte with);
 
+    base::Paths paths; ///< of the tick
+
   private:
     static constexpr std::uint32_t sorts = 4; ///< of contacts: several points or one, carried or did not
     /// What is known of a contact; a cache line has two.
@@ -92,6 +95,7 @@ class ContactPacks {
     };
 
     bool serve(const ContactOrder& order, const Wanted& wanted) const;
+    void note_strands() const; ///< in `paths`
     void share_out(const ContactOrder& order, const Wanted& wanted, std::uint32_t longest,
                    std::span<const Transform> poses);
     std::uint32_t find_nodes(const ContactOrder& order);

@@ -53,6 +53,7 @@ struct ContactSolver::Inside {
     solve::ContactOrder order;
     solve::ContactPacks in_packs;
     std::span<const std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
+    base::Paths paths;
 
     /// Some bodies, or the first `count`.
     struct Rows {
@@ -74,6 +75,7 @@ struct ContactSolver::Inside {
                      std::span<const Contact> contacts, std::span<ContactMemory> memory,
                      ClampCounts& clamps) const;
     template <unsigned N> void make_room(std::size_t packs);
+    void note_paths(const Tasks* tasks) const;
     template <class Visit> void for_each_piece(Tasks* tasks, Visit&& visit);
     static std::int64_t* numbers(std::vector<WarmStart>& of) {
         static_assert(sizeof(WarmStart) == 6 * sizeof(std::int64_t));
@@ -202,11 +204,23 @@ void ContactSolver::Inside::prepare_packs(std::uint32_t first, std::uint32_t las
     }
 }
 
+void ContactSolver::Inside::note_paths(const Tasks* tasks) const {
+    using base::Path;
+    paths.take(!bounces.empty(), Path::contacts_do_not_bounce, Path::contacts_bounce);
+    paths.take(!rolling.empty(), Path::contacts_do_not_roll, Path::contacts_roll);
+    paths.take(in_packs.has_islands()       ? Path::passes_by_island
+               : in_packs.runs_all_passes() ? Path::passes_in_one_run
+                                            : Path::passes_one_by_one);
+    if (in_packs.has_islands()) return;
+    paths.take(base::is_shared(tasks, pack_count, pack_chunk), Path::packs_by_one, Path::packs_by_workers);
+}
+
 template <unsigned N> void ContactSolver::Inside::make_room(std::size_t packs) {
     const std::size_t words = packs * (sizeof(ContactPack<N>) / sizeof(std::uint32_t));
     base::make_room(storage, words); // resize() alone would take twice as much
     if (storage.size() < words) storage.resize(words);
     asks_ahead = packs * sizeof(ContactPack<N>) > cache_bytes;
+    paths.take(asks_ahead, base::Path::packs_in_cache, base::Path::packs_beyond_cache);
 }
 
 void ContactSolver::prepare(std::span<const ContactHead> heads, std::span<const Contact> contacts,
@@ -220,6 +234,7 @@ void ContactSolver::prepare(std::span<const ContactHead> heads, std::span<const 
     s.place_packs(base::worker_count(tasks), may_run_all, poses);
     s.started = false;
     if (s.pack_count == 0) return;
+    s.note_paths(tasks);
     if (s.in_packs.has_islands())
         s.warm.resize(bodies.body.size()); // by strand
     else
@@ -504,6 +519,11 @@ void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMe
             for (int r = 0; r < 3; ++r) m.rolling[r] = Speed::from_raw(rows.impulse[r]);
         }
     });
+}
+
+void ContactSolver::take_paths(base::Paths& to) {
+    for (base::Paths* own : {&inside->paths, &inside->order.paths, &inside->in_packs.paths})
+        to.add(*own), own->clear();
 }
 
 void ContactSolver::poison(std::byte with) {

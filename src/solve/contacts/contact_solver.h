@@ -78,6 +78,9 @@ class ContactSolver {
     void store(std::span<const solve::Contact> contacts, std::span<solve::ContactMemory> memory,
                solve::ClampCounts& clamps, Tasks* tasks = nullptr) const;
 
+    /// The paths since the last call, which it adds to `to`.
+    void take_paths(base::Paths& to);
+
     void reserve(std::size_t contacts, std::size_t bodies);
     /// Fills what prepare() makes anew with a byte.
     void poison(std::byte with);

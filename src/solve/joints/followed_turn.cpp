@@ -400,6 +400,9 @@ void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverB
         bodies.fours.back().row[bodies.turns.size() % followed_lanes] = bodies.still();
         add(bodies.turns).body = bodies.still();
     }
+    bodies.paths.take(!bodies.turns.empty(), base::Path::turns_not_followed, base::Path::turns_followed);
+    bodies.paths.take(base::is_shared(tasks, count_of(bodies), fours_chunk), base::Path::followed_by_one,
+                      base::Path::followed_by_workers);
     base::for_chunks(tasks, count_of(bodies), fours_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          start_fours(columns, step, bodies, first, last);

@@ -34,7 +34,7 @@ void JointSolver::poison(std::byte with) {
     auto& [joints, blocks, axes, packs, turn_packs, steps, down, up, singles, with_rows, framed_in_world,
            glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts, in_order,
            before_sort, bodies, planned, has_plan, planned_for, forest, cache_of, closed, pose, memory,
-           clamped, ticks_per_second, first] = *work;
+           clamped, ticks_per_second, first, paths] = *work;
     base::poison(with, joints, blocks, axes, packs, turn_packs, steps, singles, with_rows, framed_in_world,
                  glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts,
                  in_order, before_sort, bodies, planned, cache_of, pose, memory, clamped, ticks_per_second,
@@ -47,6 +47,11 @@ void JointSolver::poison(std::byte with) {
            anchors, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
                  loops, anchors, above_of, above, carried, queue);
+}
+
+void JointSolver::take_paths(base::Paths& to) {
+    to.add(work->paths);
+    work->paths.clear();
 }
 
 namespace {
@@ -98,12 +103,6 @@ bool is_point(const JointWork& w) { return w.point && w.axis_count == 0 && w.blo
 /// Whether its pack holds it as a whole.
 bool is_packed_point(const JointWork& w) {
     return w.pack != no_pack && w.axis_count + w.block_count == 0 && !w.counts_turns;
-}
-
-constexpr std::uint32_t joint_chunk = 32, packs_in_cache = 128;
-/// Of few packs chunks are small, so that all workers end at once; of many they are as large as a cache, since inverses are found some at a time.
-constexpr std::uint32_t pack_chunk_of(std::size_t packs) {
-    return static_cast<std::uint32_t>(std::clamp<std::size_t>(packs / 16, 8, packs_in_cache));
 }
 
 /// Calls visit(joint) for each joint that is more than a point in a pack; workers share them.
@@ -352,10 +351,12 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     tick.first = true;
     if (stays_empty) return;
     const bool kept = same && is_plan_good(tick, joints.size(), bodies, tasks);
+    tick.paths.take(kept, base::Path::joint_plan_made, base::Path::joint_plan_kept);
     if (kept)
         keep_plan(tick, joints, columns, bodies, tasks);
     else
         plan_joints(tick, joints, memory, columns, step, bodies, base::worker_count(tasks));
+    note_plan(tick, tasks);
     tick.glances.resize(tick.joints.size());
     for (const JointWork& w : std::span(tick.joints).first(kept ? 0 : tick.joints.size()))
         if (is_packed_point(w)) set_glance(tick, w); // it stays what it is
@@ -387,6 +388,7 @@ bool find_stale_joints(JointTick& tick) {
         if (!glance.places) continue;
         any = any || glance.own_rows;
         glance.stale = ((seen[glance.a] | seen[glance.b]) & glance.rows_ask) != 0;
+        tick.paths.take(glance.stale, base::Path::joint_rows_kept, base::Path::joint_rows_remade);
         if (!glance.stale) continue;
         for (const std::uint32_t body : {glance.a, glance.b}) {
             if (body == 0 || (seen[body] & seen_wanted) != 0) continue;

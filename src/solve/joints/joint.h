@@ -84,6 +84,9 @@ class JointSolver {
     void store(std::span<JointMemory> memory, const SolverBodies& bodies, ClampCounts& clamps,
                Tasks* tasks = nullptr) const;
 
+    /// The paths since the last call, which it adds to `to`.
+    void take_paths(base::Paths& to);
+
     void reserve(std::size_t joints);
     /// Fills what prepare() makes anew with a byte.
     void poison(std::byte with);

@@ -248,7 +248,10 @@ class Closer {
                 if (closed.pushed.empty()) closed.of_body.assign(bodies.body.size(), 0);
                 push(pack, lane);
             }
-        return !closed.pushed.empty();
+        const bool any_open = !closed.pushed.empty();
+        if (!tick.packs.empty())
+            tick.paths.take(any_open, base::Path::joint_points_left, base::Path::joint_points_closed);
+        return any_open;
     }
     void close() {
         closed.of_pack.assign(tick.packs.size(), 0);

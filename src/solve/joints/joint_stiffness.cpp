@@ -192,7 +192,9 @@ void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> 
         bodies.pull[row] += pull;
     };
     const std::uint32_t count = static_cast<std::uint32_t>(joints.size());
-    if (tasks == nullptr || count < 4 * stiffness_chunk) {
+    const bool by_one = tasks == nullptr || count < 4 * stiffness_chunk;
+    bodies.paths.take(by_one, base::Path::stiffness_by_workers, base::Path::stiffness_by_one);
+    if (by_one) {
         for (std::size_t i = 0; i < joints.size(); ++i)
             pull_of(joints, i, memory, columns, step, bodies, add);
     } else { // joints pull at the same bodies: found by workers, and added by one

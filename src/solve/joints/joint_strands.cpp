@@ -98,7 +98,9 @@ std::uint32_t share_out(JointTick& tick, std::uint32_t stage_count, std::uint32_
     if (most < 2 || joints < strand_joints_least * 2 || joints < stage_joints_least * stage_count) return 1;
     const std::uint32_t strands =
         static_cast<std::uint32_t>(std::min<std::size_t>(joints / strand_joints_least, most));
-    if (share_out_islands(tick, strands)) return strands;
+    const bool by_island = share_out_islands(tick, strands);
+    tick.paths.take(by_island, base::Path::joint_strands_by_place, base::Path::joint_strands_by_island);
+    if (by_island) return strands;
     std::array<Vec3, Sides::samples_max> sample;
     std::size_t samples = 0;
     for (std::size_t i = 0; i < joints; i += Sides::stride_of(joints))
@@ -138,6 +140,22 @@ void plan_strands(JointTick& tick, std::uint32_t strands) {
     plan_pass(
         tick, strands, [&](std::uint32_t k) { return (stages - 1 - k / of_stage) * of_stage + k % of_stage; },
         tick.up);
+}
+
+void note_plan(const JointTick& tick, const Tasks* tasks) {
+    using base::Path;
+    const auto joints = static_cast<std::uint32_t>(tick.with_rows.size()),
+               packs = static_cast<std::uint32_t>(tick.packs.size()),
+               trees = static_cast<std::uint32_t>(tick.forest.trees.size());
+    tick.paths.take(tick.down.strands != 0, Path::joints_one_strand, Path::joints_many_strands);
+    tick.paths.take(trees != 0, Path::joints_without_trees, Path::joints_with_trees);
+    if (packs != 0) tick.paths.take(Path::joint_in_pack);
+    if (!tick.singles.empty()) tick.paths.take(Path::joint_one_by_one);
+    tick.paths.take(base::is_shared(tasks, joints, joint_chunk), Path::joints_by_one,
+                    Path::joints_by_workers);
+    tick.paths.take(base::is_shared(tasks, packs, pack_chunk_of(packs)), Path::joint_packs_by_one,
+                    Path::joint_packs_by_workers);
+    tick.paths.take(base::is_shared(tasks, trees, tree_chunk), Path::trees_by_one, Path::trees_by_workers);
 }
 
 } // namespace lockstone::solve

@@ -17,6 +17,7 @@
 
 #include "base/strands.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace lockstone::solve {
@@ -229,6 +230,7 @@ struct JointTick {
     std::uint64_t clamped;               ///< impulses that met joint_impulse_max
     std::int32_t ticks_per_second;
     bool first; ///< no substep is in the sums yet
+    base::Paths paths;
 };
 
 /// Of a joint whose block is in a pack of turns.
@@ -241,6 +243,14 @@ template <class T> void make_room(std::vector<T>& v) {
     if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 8 + 16);
 }
 
+/// Joints per piece of work that workers take, and packs that stay in a cache.
+inline constexpr std::uint32_t joint_chunk = 32, packs_in_cache = 128;
+/// Chunks of few packs are small, so that all workers end at once. Chunks of many packs are as large as a cache, since inverses are found some at a time.
+constexpr std::uint32_t pack_chunk_of(std::size_t packs) {
+    return static_cast<std::uint32_t>(std::clamp<std::size_t>(packs / 16, 8, packs_in_cache));
+}
+/// Adds the paths of a plan to those of the tick.
+void note_plan(const JointTick& tick, const Tasks* tasks);
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
 /// After `pass` over a pack: larger exponents where entries have grown to 2, and rows by these.
 void enlarge_exponents(JointTick& tick, std::uint32_t pack, decltype(JointKernel::refresh) pass,

@@ -70,6 +70,8 @@ class VehicleSolver {
     void store(const StepConstants& step, const SolverBodies& bodies, std::span<DrivenVehicle> driven);
     /// In the tick that was stored last: vehicles sleep and wake with what they stand on.
     std::span<const Standing> standing() const { return stands; }
+    /// True where a convoy of this tick has several vehicles.
+    bool has_convoys() const { return convoy_begin.size() < vehicles.size() + 1; }
     /// Fills what prepare() makes anew with a byte.
     void poison(std::byte with);
 

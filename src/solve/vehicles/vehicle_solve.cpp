@@ -214,7 +214,9 @@ void solve_normals(const Pass& pass) {
     pass.chassis.look();
     for (std::uint32_t i = 0; i < count; ++i) {
         if (!v.wheel[i].touches) continue;
-        if (is_small(pass, v.wheel[i])) [[likely]] {
+        const bool small = is_small(pass, v.wheel[i]);
+        pass.bodies.paths.take(small, base::Path::wheel_real, base::Path::wheel_small);
+        if (small) [[likely]] {
             solve_spring<Small>(pass, v.wheel[i]);
         } else {
             solve_spring<Real>(pass, v.wheel[i]);

@@ -48,6 +48,8 @@ void hold_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
     tick.turned.resize(1 + groups * pack_lanes), tick.seen.assign(tick.turned.size(), 0);
     tick.turned[0] = {{{unit_one.raw, 0, 0}, {0, unit_one.raw, 0}, {0, 0, unit_one.raw}}, {}, {}, 0};
     tick.given.clear();
+    tick.paths.take(base::is_shared(tasks, static_cast<std::uint32_t>(groups), groups_chunk),
+                    base::Path::held_by_one, base::Path::held_by_workers);
     base::for_chunks(tasks, static_cast<std::uint32_t>(groups), groups_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          hold_groups(tick, bodies, first, last);

@@ -249,6 +249,7 @@ void factorise_trees(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) 
         }
         if (!changed) return;
         tree.direct = factorise_tree(tick, tree, bodies);
+        tick.paths.take(tree.direct, base::Path::tree_solved_in_passes, base::Path::tree_solved_at_once);
         for (std::uint32_t i = 0; !tree.direct && i < tree.joint_count; ++i)
             invert_blocks(tick, tick.joints[tick.forest.joints[tree.first_joint + i].joint]);
     };
