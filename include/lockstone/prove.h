@@ -9,6 +9,7 @@
 #pragma once
 
 #include "lockstone/game.h"
+#include "lockstone/simd.h"
 #include "lockstone/tasks.h"
 
 #include <functional>
@@ -38,6 +39,9 @@ class Provable {
     virtual Status back(std::size_t slot);
     /// Who runs the parts of a tick from now on; false: ticks have no parts.
     virtual bool set_tasks(Tasks*) { return false; }
+    /// Later ticks use this instruction set, as after World::set_simd. Returns false and changes nothing where the simulation has no
+    /// choice of instruction sets, or where the machine lacks this one. prove() calls it between ticks, from one thread.
+    virtual bool set_simd(Simd) { return false; }
     /// How many bits of state there are to flip, and one of them.
     virtual std::uint64_t bit_count() const { return 0; }
     virtual void flip(std::uint64_t) {}
@@ -58,7 +62,7 @@ class Provable {
 struct ProofOptions {
     std::uint64_t ticks = 60;       ///< of the run that everything is compared with, at least 1
     std::uint32_t depth = 4;        ///< ticks that are run again after each restore, at least 1
-    std::uint32_t workers = 3;      ///< of the pool, besides workers in random order; 0: no pool
+    std::uint32_t workers = 3;      ///< of the pool that "shuffles" runs on; 0: no check uses a pool
     std::uint64_t bits_max = 20000; ///< flipped in turn at the end of the run, spread evenly; 0: none
     std::uint64_t seed = 1;         ///< of inputs, of the order of workers and of what memory is filled with
 };
@@ -87,6 +91,8 @@ std::string to_string(const Proof& proof);
 ///   reads no leftovers  at every tick with what the one before left behind made different
 ///   sends differences   every state comes out of an earlier one and the difference; out of another it is refused
 ///   shuffles            tasks in random order, then on a pool of `workers`: the same hash at every tick
+///   every mode agrees   a run in each instruction set of the machine with tasks in random order, and on 1, 2, 3 and 4 workers; before
+///                       random ticks a new object of that mode loads the saved state and continues: the same hash at every tick
 ///   every bit counts    flipping a bit of the state changes the hash; flipping it back restores the hash
 Proof prove(const Provable& simulation, const ProofOptions& options = {});
 

@@ -89,8 +89,8 @@ class Check {
         return fail(base::join("before tick ", t, how, ": ",
                                expected ? expected->difference(one) : std::string("the hashes differ")));
     }
-    bool done(const Status& status, std::uint64_t t) {
-        return status.ok() || fail(base::join("before tick ", t, ": ", status.error().message));
+    bool done(const Status& status, std::uint64_t t, const std::string& how = {}) {
+        return status.ok() || fail(base::join("before tick ", t, how, ": ", status.error().message));
     }
     bool fail(std::string sentence) {
         if (result.passed) result.sentence = std::move(sentence);
@@ -240,6 +240,75 @@ ProofCheck shuffles(const Course& run) {
     return result;
 }
 
+/// How a simulation runs its ticks. No hash depends on it.
+struct Mode {
+    std::optional<Simd> simd; ///< without a value: the simulation has no choice
+    Tasks* tasks;             ///< null: ticks have no parts
+    std::string name;         ///< ", avx2, 3 workers"
+
+    std::unique_ptr<Provable> make(const Provable& start) const {
+        std::unique_ptr<Provable> one = start.make();
+        if (simd) one->set_simd(*simd);
+        one->set_tasks(tasks);
+        return one;
+    }
+};
+
+/// Runs in a mode to the end. Before one random tick, and before each other tick with a chance of one in eight, a new object of the mode loads the state.
+void runs_in_mode(Check& check, const Course& run, const Mode& mode, Random& random) {
+    const std::uint64_t once = random.next_u64() % run.options.ticks;
+    std::unique_ptr<Provable> one = mode.make(run.start);
+    for (std::uint64_t t = 0; t < run.options.ticks && check.good(); ++t) {
+        if (random.below(8) == 0 || t == once) {
+            std::unique_ptr<Provable> next = mode.make(run.start);
+            if (!check.done(next->load(one->save()), t, mode.name)) break;
+            one = std::move(next);
+            if (!check.same(*one, t, mode.name + ", loaded")) break;
+        }
+        one->step(t);
+        check.same(*one, t + 1, mode.name);
+    }
+    one->set_tasks(nullptr);
+}
+
+/// The instruction sets that a simulation takes on this machine; one without a value where it has no choice.
+std::vector<std::optional<Simd>> instruction_sets(Provable& one) {
+    std::vector<std::optional<Simd>> sets;
+    for (const Simd level : every_simd)
+        if (has_simd(level) && one.set_simd(level)) sets.emplace_back(level);
+    if (sets.empty()) sets.emplace_back();
+    return sets;
+}
+
+ProofCheck every_mode_agrees(const Course& run) {
+    constexpr std::uint32_t pool_max = 4;
+    Check check(run, "every mode agrees");
+    const std::unique_ptr<Provable> probe = run.start.make();
+    const std::vector<std::optional<Simd>> sets = instruction_sets(*probe);
+    ShuffledTasks shuffled(run.options.seed + 1);
+    const bool has_parts = probe->set_tasks(&shuffled);
+    probe->set_tasks(nullptr);
+    if (!sets.front() && !has_parts) return std::move(check).finish("it has one mode");
+    Random random = Random::seeded(run.options.seed, 1);
+    std::uint32_t modes = 0;
+    const auto run_sets = [&](Tasks* tasks, const std::string& how) {
+        for (const std::optional<Simd>& set : sets) {
+            if (!check.good()) return;
+            runs_in_mode(check, run, {set, tasks, (set ? base::join(", ", name_of(*set)) : "") + how},
+                         random);
+            ++modes;
+        }
+    };
+    run_sets(has_parts ? &shuffled : nullptr, has_parts ? ", tasks in random order" : "");
+    for (std::uint32_t workers = 1; has_parts && run.options.workers > 0 && workers <= pool_max; ++workers) {
+        const std::unique_ptr<Tasks> pool = make_worker_pool(workers);
+        run_sets(pool.get(), base::join(", ", workers, workers == 1 ? " worker" : " workers"));
+    }
+    ProofCheck result = std::move(check).finish();
+    if (result.passed) result.sentence = base::join(modes, " modes");
+    return result;
+}
+
 ProofCheck every_bit_counts(const Course& run) {
     Check check(run, "every bit counts");
     const std::unique_ptr<Provable> one = run.at(run.options.ticks);
@@ -294,7 +363,8 @@ std::string to_string(const Proof& proof) {
 Proof prove(const Provable& simulation, const ProofOptions& options) {
     const Course run = course_of(simulation, options);
     return {{repeats(run), rolls_back(run), saves_everything(run), moves(run), forgets(run),
-             reads_no_leftovers(run), sends_differences(run), shuffles(run), every_bit_counts(run)}};
+             reads_no_leftovers(run), sends_differences(run), shuffles(run), every_mode_agrees(run),
+             every_bit_counts(run)}};
 }
 
 } // namespace lockstone

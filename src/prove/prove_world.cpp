@@ -75,6 +75,7 @@ class ProvableWorld final : public Provable {
         world.set_tasks(tasks);
         return true;
     }
+    bool set_simd(Simd level) override { return world.set_simd(level); }
     std::uint64_t bit_count() const override {
         std::uint64_t sum = 0;
         for (std::uint32_t c = 0; c < columns(); ++c) sum += world.state().bytes(c).size() * 8;

@@ -1,5 +1,6 @@
 // lockstone::prove on a small simulation that breaks one rule at a time: the check that is meant for it has to see it.
 #include "lockstone/prove.h"
+#include "support/mode_reader.h"
 
 #include <doctest/doctest.h>
 
@@ -140,11 +141,11 @@ const ProofCheck& check_named(const Proof& proof, const std::string& name) {
 
 } // namespace
 
-TEST_CASE("a simulation without a fault is proven, by all nine checks") {
+TEST_CASE("a simulation without a fault is proven, by all ten checks") {
     const Proof proof = proof_of(Fault::none);
     INFO(to_string(proof));
     CHECK(proof.holds());
-    CHECK(proof.checks.size() == 9);
+    CHECK(proof.checks.size() == 10);
     for (const ProofCheck& check : proof.checks) CHECK(check.compared >= 12);
     CHECK(to_string(proof).starts_with("ok      repeats: "));
 }
@@ -177,6 +178,62 @@ TEST_CASE("planted fault: whatever rule a simulation breaks, the check that is m
         CHECK(check.sentence != "");
         CHECK(to_string(proof).find(std::string("FAILED  ") + name) != std::string::npos);
     }
+}
+
+TEST_CASE("a proof runs every instruction set of the machine, each on one to four workers and with tasks in "
+          "random order") {
+    test::ModeReader::Seen seen;
+    const Proof proof = prove(test::ModeReader(test::ReadsMode::nothing, &seen), {.ticks = 5});
+    CHECK(proof.holds());
+    std::uint32_t modes = 0;
+    for (const Simd level : every_simd)
+        for (std::uint32_t workers = 1; has_simd(level) && workers <= 5;
+             ++workers, ++modes) // 5: in random order
+            CHECK(seen.contains({level, workers}));
+    CHECK(seen.size() == modes);
+    CHECK(check_named(proof, "every mode agrees").sentence == std::to_string(modes) + " modes");
+}
+
+TEST_CASE("planted fault: the proof names the mode of a simulation whose result depends on it") {
+    const std::string best(name_of(best_simd()));
+    const std::pair<test::ReadsMode, std::string> sentences[] = {
+        {test::ReadsMode::instruction_set,
+         "before tick 1, " + best + ", tasks in random order: count: 3 against 4"},
+        {test::ReadsMode::workers, "before tick 1, scalar, 4 workers: count: 3 against 4"},
+        {test::ReadsMode::load, ", " + best + ", 2 workers, loaded: count: "},
+    };
+    for (const auto& entry : sentences) {
+        const test::ReadsMode reads = entry.first;
+        const std::string sentence = entry.second;
+        const Proof proof = prove(test::ModeReader(reads), {.ticks = 5});
+        INFO(to_string(proof));
+        CHECK_FALSE(proof.holds());
+        for (const ProofCheck& check : proof.checks)
+            CHECK(check.passed == (check.name != "every mode agrees"));
+        CHECK(check_named(proof, "every mode agrees").sentence.find(sentence) != std::string::npos);
+    }
+}
+
+TEST_CASE(
+    "a proof without pools runs tasks in random order alone, and what has one mode has nothing to compare") {
+    test::ModeReader::Seen seen;
+    CHECK(prove(test::ModeReader(test::ReadsMode::workers, &seen), {.ticks = 5, .workers = 0}).holds());
+    for (const auto& mode : seen) CHECK(mode.second == 5);
+    struct OneMode final : Provable {
+        std::unique_ptr<Provable> make() const override { return std::make_unique<OneMode>(); }
+        void step(std::uint64_t tick) override { last = tick + 1; }
+        std::vector<std::byte> save() const override { return {static_cast<std::byte>(last)}; }
+        Status load(std::span<const std::byte> bytes) override {
+            last = static_cast<std::uint64_t>(bytes[0]);
+            return {};
+        }
+        std::uint64_t hash() const override { return last; }
+        std::uint64_t last = 0;
+    };
+    const Proof proof = prove(OneMode(), {.ticks = 5});
+    CHECK(proof.holds());
+    CHECK(check_named(proof, "every mode agrees").compared == 0);
+    CHECK(check_named(proof, "every mode agrees").sentence == "it has one mode");
 }
 
 TEST_CASE("a proof without a check does not hold") { CHECK_FALSE(Proof{}.holds()); }

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 using namespace lockstone;
@@ -28,15 +29,18 @@ void check_proof(const Game& game, const ProofOptions& options) {
     const Proof proof = prove(game, options, scripted).value();
     INFO(game.name(), "\n", to_string(proof));
     CHECK(proof.holds());
-    REQUIRE(proof.checks.size() == 9);
+    REQUIRE(proof.checks.size() == 10);
     for (const ProofCheck& check : proof.checks) CHECK(check.compared > 0);
+    const auto sets =
+        std::ranges::count_if(every_simd, has_simd); // each with four pools and with tasks in random order
+    CHECK(proof.checks[8].sentence == std::to_string(5 * sets) + " modes");
 }
 
 } // namespace
 
 TEST_CASE(
     "every scene is proven: repeats, rolls back, saves everything, moves, forgets, reads no leftovers, sends "
-    "differences, shuffles, every bit counts") {
+    "differences, shuffles, every mode agrees, every bit counts") {
     ProofOptions options;
     options.ticks = is_long ? 200 : 8;
     options.depth = is_long ? 8 : 3;

@@ -2,6 +2,7 @@
 #include "checks.h"
 #include "lockstone/math/random.h"
 #include "lockstone/prove.h"
+#include "support/mode_reader.h"
 #include "support/small_recording.h"
 
 namespace planted {
@@ -40,6 +41,14 @@ struct RestlessGame : SmallGame {
 std::string starts_compared() {
     const Proof proof = scene::made(prove(RestlessGame(), {.ticks = 4, .bits_max = 10}));
     return proof.holds() ? "a game whose starts differ passes" : "";
+}
+
+std::string modes_told_apart() {
+    for (const ReadsMode reads : {ReadsMode::instruction_set, ReadsMode::workers, ReadsMode::load})
+        if (prove(ModeReader(reads), {.ticks = 5}).holds())
+            return "a result that depends on the mode passes, kind " +
+                   std::to_string(static_cast<int>(reads));
+    return {};
 }
 
 std::string zero_streams() {
@@ -84,6 +93,7 @@ std::string forbidden_assets() {
 Checks interface_checks() {
     return {{"images of other fields are refused", other_fields_refused},
             {"starts are compared", starts_compared},
+            {"modes are told apart", modes_told_apart},
             {"a zero generator has the streams of seed 0", zero_streams},
             {"headers that the format forbids are refused", forbidden_headers},
             {"assets in recordings of inputs are refused", forbidden_assets}};

@@ -546,8 +546,9 @@ std::string locked_crates_stop() {
 
 Checks world_checks() {
     Checks list;
-    for (const char* name : {"repeats", "rolls back", "saves everything", "moves", "forgets",
-                             "reads no leftovers", "sends differences", "shuffles", "every bit counts"})
+    for (const char* name :
+         {"repeats", "rolls back", "saves everything", "moves", "forgets", "reads no leftovers",
+          "sends differences", "shuffles", "every mode agrees", "every bit counts"})
         list.emplace_back(name, proof_check(name));
     list.insert(list.end(), {{"golden table", golden_table},
                              {"rounding modes", rounding_modes},
