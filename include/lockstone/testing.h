@@ -29,4 +29,12 @@ std::span<const std::string_view> path_names();
 /// The paths that the last tick of a world took. Empty before its first tick. A clone begins without paths.
 PathSet paths_taken(const World& world);
 
+/// How many worlds self_test() of lockstone/prove.h runs, and for how many ticks each.
+inline constexpr std::uint32_t self_test_worlds = 20, self_test_ticks = 4;
+/// The hashes that this build computes in the default mode, after each tick of each world, world by world. tools/refresh stores them. The error
+/// names a world, a tick and the command that was refused.
+Result<std::vector<std::uint64_t>> self_test_hashes();
+/// self_test() with other hashes than the stored ones. Refuses another number of them.
+Status self_test_against(std::span<const std::uint64_t> stored);
+
 } // namespace lockstone::testing

@@ -4,6 +4,7 @@
 #include "base/assert.h"
 #include "base/text.h"
 #include "lockstone/math/random.h"
+#include "prove/shuffled_tasks.h"
 
 #include <algorithm>
 
@@ -25,26 +26,6 @@ Status Provable::load_delta(std::span<const std::byte>, std::span<const std::byt
 }
 
 namespace {
-
-/// One thread that takes the items in random order and says it is another worker each time.
-class ShuffledTasks final : public Tasks {
-  public:
-    explicit ShuffledTasks(std::uint64_t seed) : random(Random::seeded(seed)) {}
-    std::uint32_t worker_count() const override { return workers; }
-    void run(std::uint32_t items, Item item, void* context) override {
-        order.resize(items);
-        for (std::uint32_t i = 0; i < items; ++i) order[i] = i;
-        for (std::uint32_t i = items; i > 1; --i) std::swap(order[i - 1], order[random.next_u32() % i]);
-        for (const std::uint32_t index : order) item(context, index, random.next_u32() % workers);
-        parts += items;
-    }
-    std::uint64_t parts = 0;
-
-  private:
-    static constexpr std::uint32_t workers = 5;
-    Random random;
-    std::vector<std::uint32_t> order;
-};
 
 /// Leaves memory behind that is not what it was: blocks of many sizes, filled and given back, some kept meanwhile.
 class Stirred {
@@ -224,7 +205,7 @@ ProofCheck sends_differences(const Course& run) {
 ProofCheck shuffles(const Course& run) {
     Check check(run, "shuffles");
     std::unique_ptr<Provable> one = run.start.make();
-    ShuffledTasks shuffled(run.options.seed);
+    proofs::ShuffledTasks shuffled(run.options.seed);
     if (!one->set_tasks(&shuffled)) return std::move(check).finish("its ticks have no parts");
     follows(check, *one, 0, run.options.ticks, ", tasks in random order");
     one->set_tasks(nullptr);
@@ -285,7 +266,7 @@ ProofCheck every_mode_agrees(const Course& run) {
     Check check(run, "every mode agrees");
     const std::unique_ptr<Provable> probe = run.start.make();
     const std::vector<std::optional<Simd>> sets = instruction_sets(*probe);
-    ShuffledTasks shuffled(run.options.seed + 1);
+    proofs::ShuffledTasks shuffled(run.options.seed + 1);
     const bool has_parts = probe->set_tasks(&shuffled);
     probe->set_tasks(nullptr);
     if (!sets.front() && !has_parts) return std::move(check).finish("it has one mode");

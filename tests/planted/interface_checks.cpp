@@ -2,6 +2,7 @@
 #include "checks.h"
 #include "lockstone/math/random.h"
 #include "lockstone/prove.h"
+#include "lockstone/testing.h"
 #include "support/mode_reader.h"
 #include "support/small_recording.h"
 
@@ -51,6 +52,18 @@ std::string modes_told_apart() {
     return {};
 }
 
+std::string wrong_hash_found() {
+    if (const Status same = self_test(); !same) return same.error().message;
+    const std::vector<std::uint64_t> right = scene::made(testing::self_test_hashes());
+    for (const std::size_t place : {std::size_t{0}, right.size() / 2, right.size() - 1}) {
+        std::vector<std::uint64_t> hashes = right;
+        hashes[place] ^= 1;
+        if (testing::self_test_against(hashes).ok())
+            return "wrong hash " + std::to_string(place) + " is accepted";
+    }
+    return {};
+}
+
 std::string zero_streams() {
     return lockstone::Random{}.split(3) == lockstone::Random::seeded(0).split(3)
                ? ""
@@ -94,6 +107,7 @@ Checks interface_checks() {
     return {{"images of other fields are refused", other_fields_refused},
             {"starts are compared", starts_compared},
             {"modes are told apart", modes_told_apart},
+            {"the self test finds a wrong hash", wrong_hash_found},
             {"a zero generator has the streams of seed 0", zero_streams},
             {"headers that the format forbids are refused", forbidden_headers},
             {"assets in recordings of inputs are refused", forbidden_assets}};

@@ -21,8 +21,9 @@ from tree import Tree  # noqa: E402
 WITHOUT_BUILD = ["words", "compilers", "layers", "headers", "includes", "sizes", "readmes", "dead_headers", "misuse", "diagram", "workflows", "format", "tables", "cost_card", "thresholds"]
 OF_RELEASE = ["instructions", "optimised"]
 SLOW = ["lint"]  # a minute
+OF_PROGRAM = ["stored_hashes"]  # of bin/lockstone in the build's folder, of any build type
 OF_WINDOWS = ["winsock"]  # where its compiler is installed
-CHECKS = WITHOUT_BUILD + SLOW + OF_RELEASE + OF_WINDOWS
+CHECKS = WITHOUT_BUILD + SLOW + OF_RELEASE + OF_PROGRAM + OF_WINDOWS
 SKIPPED = 77  # what ctest takes for a test that cannot run
 
 

@@ -44,6 +44,7 @@ void add_all(CLI::App& app, Work& work) {
     add_branch(app, work);
     add_repair(app, work);
     add_format(app, work);
+    add_self_test(app, work);
     add_synctest(app, work);
     add_match(app, work);
 #ifdef LOCKSTONE_BENCH

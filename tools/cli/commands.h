@@ -37,6 +37,7 @@ void add_diff(CLI::App& app, Work& work);
 void add_branch(CLI::App& app, Work& work);
 void add_repair(CLI::App& app, Work& work);
 void add_format(CLI::App& app, Work& work); ///< the tables of replay/FORMAT.md
+void add_self_test(CLI::App& app, Work& work);
 void add_synctest(CLI::App& app, Work& work);
 void add_match(CLI::App& app, Work& work);
 void add_bench(CLI::App& app, Work& work);     ///< only where LOCKSTONE_BUILD_BENCH is on

@@ -142,7 +142,7 @@ cmp closed.lsr s.lsr || fail "what is printed went into the recording"
 "$lockstone" format 2>err | head -n 1 >out || true
 [ -s out ] && [ ! -s err ] || fail "a reader that leaves is complained about: $(cat err)"
 
-for command in scenes run replay verify info diff branch repair synctest match bench; do
+for command in scenes run replay verify info diff branch repair self-test synctest match bench; do
     expect 0 "$command" --help
     grep -q "$command" out || fail "$command --help does not name the command"
 done
