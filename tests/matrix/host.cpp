@@ -178,6 +178,13 @@ void* operator new(std::size_t size, std::align_val_t a) {
 void* operator new[](std::size_t size, std::align_val_t a) {
     return host::allocate(size, static_cast<std::size_t>(a));
 }
+// Of WebAssembly's library these would not come here by themselves, and what they allocate is released below.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    return host::allocate(size, alignof(std::max_align_t));
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+    return host::allocate(size, alignof(std::max_align_t));
+}
 void operator delete(void* p) noexcept { host::release(p); }
 void operator delete[](void* p) noexcept { host::release(p); }
 void operator delete(void* p, std::size_t) noexcept { host::release(p); }

@@ -77,10 +77,12 @@ Course run(const Story& story, const Mode& mode) {
         course.states.push_back(player.world().hash());
         course.outputs.push_back(outputs_of(player.world()));
     }
+    course.paths = player.paths();
     return course;
 }
 
-std::optional<Departure> departure(const Story& story, const Course& expected, const Mode& mode) {
+std::optional<Departure> departure(const Story& story, const Course& expected, const Mode& mode,
+                                   testing::PathSet* paths) {
     Player player(story, mode);
     for (std::uint64_t t = 0; t < story.ticks; ++t) {
         player.play(t);
@@ -88,6 +90,7 @@ std::optional<Departure> departure(const Story& story, const Course& expected, c
             continue;
         return Departure{t, place(story, mode, t)};
     }
+    if (paths != nullptr) *paths |= player.paths();
     return {};
 }
 

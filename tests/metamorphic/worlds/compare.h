@@ -8,6 +8,7 @@ namespace worlds {
 /// What a run of a story gives: hashes of the whole state and of the outputs, after each tick.
 struct Course {
     std::vector<std::uint64_t> states, outputs;
+    testing::PathSet paths; ///< of all ticks
     /// Hash of all of it.
     std::uint64_t digest() const;
 };
@@ -18,7 +19,9 @@ struct Departure {
     std::string about;  ///< phase, column, row and field, or the output that differs
 };
 /// Empty when the mode gives the course. Runs the mode to its first difference, and both again to find its place.
-std::optional<Departure> departure(const Story& story, const Course& expected, const Mode& mode);
+/// Adds the execution paths of the mode to `paths`.
+std::optional<Departure> departure(const Story& story, const Course& expected, const Mode& mode,
+                                   testing::PathSet* paths = nullptr);
 /// The first tick after which a mode differs from the reference; nothing where it does not.
 std::optional<std::uint64_t> first_tick_apart(const Story& story, const Mode& mode);
 

@@ -23,11 +23,15 @@ void Drawer::choose_size() {
     story.ticks = std::clamp(most.work / bodies, 5u, longest);
     activity = v.below(4);
     tower = 1 + static_cast<std::int32_t>(v.below(6));
+    if (v.chance(8)) drivers_of = 3;
+    // All overlap with all: that is slow.
+    if (arrangement == Arrangement::crowd) bodies = std::min(bodies, 150u);
     // The side of a square that `bodies` fill in one layer of a metre, or in several.
     std::uint32_t root = 1;
     while (root * root < bodies) ++root;
     const Real layers = arrangement == Arrangement::deep_pit ? 0.16_r
                         : arrangement == Arrangement::cloud  ? 0.3_r
+                        : arrangement == Arrangement::crowd  ? Real{}
                                                              : 0.4_r;
     side = Real(static_cast<std::int32_t>(root)) * layers + 1.5_r;
 }
@@ -39,6 +43,13 @@ void Drawer::choose_features() {
     const auto drop = [&](Feature f) {
         story.features &= ~(std::uint64_t{1} << static_cast<std::uint32_t>(f));
     };
+    // Some passes are one run only where contacts alone change velocities.
+    if (v.chance(4))
+        for (const Feature f :
+             {Feature::joints, Feature::vehicles, Feature::characters, Feature::ragdolls, Feature::fields,
+              Feature::fluids, Feature::bounces, Feature::rolls, Feature::locks, Feature::wild,
+              Feature::far_away, Feature::integrators, Feature::no_gyroscope})
+            drop(f);
     // These change a world as a whole, so that fewer worlds have them.
     if (!v.chance(4)) drop(Feature::wild);
     if (!v.chance(3)) drop(Feature::drops_contacts);
@@ -107,6 +118,14 @@ Vec3 Drawer::place(std::uint32_t number) {
         const Real x = Real(n % wide) * 0.8_r + (row % 2 == 0 ? Real{} : 0.4_r) - Real(5);
         return {x, 0.4_r + Real(row % 10) * 0.7_r, Real(row / 10) * 1.1_r};
     }
+    case Arrangement::crowd: {
+        const Vec3 at = vector(half(Real(1)));
+        return {at.x, at.y + Real(2), at.z};
+    }
+    case Arrangement::net: {
+        const std::int32_t column = n % net_columns(), row = n / net_columns();
+        return {Real(column) * 0.95_r, Real(4), Real(row) * 0.95_r};
+    }
     default: {
         const Vec3 at = vector(side);
         return {at.x, at.y + side + Real(1), at.z};
@@ -146,6 +165,19 @@ void Drawer::add_joints() {
         add_joint(v.chance(12) ? BodyId{} : a, b);
         if (has(Feature::loops_of_joints) && v.chance(4)) add_joint(world.body_at(v.below(row)), b);
         if (world.joint_count() > 400) return;
+    }
+}
+
+/// Each body holds the next one in its row, and in its column: joints that follow one another along diagonals.
+void Drawer::add_net() {
+    const auto columns = static_cast<std::uint32_t>(net_columns()), count = world.body_count();
+    const std::uint32_t first = count - std::min(count, bodies);
+    for (std::uint32_t row = first; row < count; ++row) {
+        const BodyId b = world.body_at(row);
+        if (world.kind(b) == BodyKind::static_) continue;
+        if ((row - first) % columns != 0) add_joint(world.body_at(row - 1), b);
+        if (row - first >= columns) add_joint(world.body_at(row - columns), b);
+        if (world.joint_count() > 1500) return;
     }
 }
 
@@ -196,7 +228,7 @@ void Drawer::fill() {
     }
     if (!story.start)
         for (const Assembly& one : all) make(one);
-    if (has(Feature::joints)) add_joints();
+    if (has(Feature::joints)) arrangement == Arrangement::net ? add_net() : add_joints();
     if (has(Feature::vehicles))
         for (std::uint32_t i = 1 + v.below(6); i > 0; --i) add_vehicle();
     if (has(Feature::characters))

@@ -51,7 +51,7 @@ BodyDef Drawer::body_def(Vec3 at) {
     if (v.chance(3)) d.pose.rotation = v.turn();
     if (v.chance(4)) d.linear_velocity = vector(Real(6));
     if (v.chance(6)) d.angular_velocity = vector(Real(8));
-    if (is_now(Feature::kinematic, 12)) {
+    if (is_now(Feature::kinematic, drivers_of)) {
         d.kind = BodyKind::kinematic;
         d.linear_velocity = vector(Real(1)), d.angular_velocity = vector(Real(2));
     }

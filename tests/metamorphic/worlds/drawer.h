@@ -17,6 +17,8 @@ enum class Arrangement : std::uint32_t {
     towers,   ///< islands that do not touch each other
     wall,     ///< rows of a wall
     cloud,    ///< bodies in the air that meet
+    crowd,    ///< all within a metre: each overlaps with many
+    net,      ///< a grid whose neighbours joints hold, if there are joints
     count_,
 };
 
@@ -43,6 +45,9 @@ class Drawer final : Journal {
     bool is_now(Feature f, std::uint32_t of) { return has(f) && v.chance(of); }
 
     Vec3 place(std::uint32_t number);
+    std::int32_t net_columns() const {
+        return std::max<std::int32_t>(2, static_cast<std::int32_t>(side.raw >> 31));
+    }
     BodyDef body_def(Vec3 at);
     Geometry solid();
     Geometry of_asset(ShapeKind kind);
@@ -55,6 +60,7 @@ class Drawer final : Journal {
     void make(const Assembly& assembly);
     void add_joint(BodyId a, BodyId b);
     void add_joints();
+    void add_net();
     void add_vehicle();
     void add_character();
     void add_ragdoll();
@@ -92,8 +98,9 @@ class Drawer final : Journal {
     std::uint32_t bodies = 0, activity = 0;
     Arrangement arrangement{};
     Vec3 center{};
-    Real side{};            ///< half of the width of what the bodies fill [m]
-    std::int32_t tower = 1; ///< bodies in a tower
+    Real side{};                   ///< half of the width of what the bodies fill [m]
+    std::int32_t tower = 1;        ///< bodies in a tower
+    std::uint32_t drivers_of = 12; ///< one body in so many is kinematic
     std::uint64_t keys = 0;
     World world;
 };

@@ -1,6 +1,7 @@
 // Random worlds in random execution modes: all give the bits of the reference mode.
 //
 //   worlds FIRST LAST [--modes N] [--bodies N] [--work N]    compares; on a difference shrinks the world and prints a program
+//          --coverage                                        prints in how many worlds each execution path was taken; fails where one never was
 //   worlds --hashes FIRST LAST                               a line for each seed: seed, digest of its whole course
 //   worlds --planted FIRST LAST                              changes one velocity in one tick: each has to be found, and named
 //   worlds --about FIRST LAST                                a line for each seed: what the world has
@@ -8,10 +9,11 @@
 #include "draw.h"
 #include "shrink.h"
 
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <exception>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,11 +31,45 @@ std::string about(const Story& story) {
     return out;
 }
 
+/// In how many worlds a path was taken, and beside each feature.
+class Coverage {
+  public:
+    void add(const testing::PathSet& paths, const Story& story) {
+        for (std::size_t p = 0; p < worlds_of.size(); ++p) {
+            if (!paths[p]) continue;
+            ++worlds_of[p];
+            for (std::uint32_t f = 0; f < feature_count; ++f)
+                with[p][f] += story.has(static_cast<Feature>(f)) ? 1u : 0u;
+        }
+    }
+    /// A line for each path: worlds, its name, the features that no world had beside it. Returns how many paths no world took.
+    std::uint64_t print() const {
+        std::uint64_t missing = 0;
+        const std::span<const std::string_view> names = testing::path_names();
+        for (std::size_t p = 0; p < names.size(); ++p) {
+            missing += worlds_of[p] == 0 ? 1u : 0u;
+            std::string without;
+            for (std::uint32_t f = 0; f < feature_count && worlds_of[p] != 0; ++f)
+                if (with[p][f] == 0) without += std::string(", ") + name_of(static_cast<Feature>(f));
+            if (!without.empty()) without = "   never beside " + without.substr(2);
+            std::printf("%8llu  %s%s\n", static_cast<unsigned long long>(worlds_of[p]),
+                        std::string(names[p]).c_str(), without.c_str());
+        }
+        return missing;
+    }
+
+  private:
+    std::vector<std::uint64_t> worlds_of = std::vector<std::uint64_t>(testing::path_names().size());
+    std::vector<std::array<std::uint64_t, feature_count>> with =
+        std::vector<std::array<std::uint64_t, feature_count>>(testing::path_names().size());
+};
+
 /// Of one seed. Returns whether all modes give the same bits.
-bool holds(std::uint64_t seed, std::uint32_t modes, const Extent& extent) {
+bool holds(std::uint64_t seed, std::uint32_t modes, const Extent& extent, Coverage& coverage) {
     const Drawn drawn = draw(seed, extent);
     const Course expected = run(drawn.story, reference_mode());
     Random random = Random::seeded(seed, 99);
+    testing::PathSet paths = expected.paths;
     for (std::uint32_t i = 0; i <= modes; ++i) {
         Mode mode = i < modes ? draw_mode(random) : reference_mode();
         if (i == modes && expected.states != drawn.hashes) {
@@ -42,7 +78,7 @@ bool holds(std::uint64_t seed, std::uint32_t modes, const Extent& extent) {
         } else if (i == modes) {
             continue;
         }
-        const std::optional<Departure> found = departure(drawn.story, expected, mode);
+        const std::optional<Departure> found = departure(drawn.story, expected, mode, &paths);
         if (!found) continue;
         std::printf("seed %llu: %s\n  mode: %s\n  first difference: tick %llu, %s\n",
                     static_cast<unsigned long long>(seed), about(drawn.story).c_str(),
@@ -55,6 +91,7 @@ bool holds(std::uint64_t seed, std::uint32_t modes, const Extent& extent) {
         std::fflush(stdout);
         return false;
     }
+    coverage.add(paths, drawn.story);
     return true;
 }
 
@@ -80,6 +117,7 @@ int main(int argc, char** argv) {
     std::string what;
     std::uint32_t modes = 6;
     Extent extent;
+    bool shows_coverage = false;
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
         const auto value = [&] { return static_cast<std::uint32_t>(std::strtoul(argv[++i], nullptr, 10)); };
@@ -89,6 +127,8 @@ int main(int argc, char** argv) {
             extent.bodies_most = value();
         else if (word == "--work" && i + 1 < argc)
             extent.work = value();
+        else if (word == "--coverage")
+            shows_coverage = true;
         else if (word == "--hashes" || word == "--about" || word == "--planted")
             what = word;
         else
@@ -100,6 +140,7 @@ int main(int argc, char** argv) {
             "worlds [--hashes | --about | --planted] FIRST LAST [--modes N] [--bodies N] [--work N]\n");
         return 2;
     }
+    Coverage coverage;
     std::uint64_t differ = 0, worlds = 0;
     for (std::uint64_t seed = numbers[0]; seed <= numbers[1]; ++seed, ++worlds) {
         if (what == "--about") {
@@ -112,7 +153,7 @@ int main(int argc, char** argv) {
                         static_cast<unsigned long long>(run(draw(seed, extent).story, mode).digest()));
         } else if (what == "--planted") {
             differ += is_found(seed, extent) ? 0u : 1u;
-        } else if (!holds(seed, modes, extent)) {
+        } else if (!holds(seed, modes, extent, coverage)) {
             ++differ;
         }
         std::fflush(stdout);
@@ -120,5 +161,9 @@ int main(int argc, char** argv) {
     if (what.empty())
         std::printf("%llu worlds, %llu differ\n", static_cast<unsigned long long>(worlds),
                     static_cast<unsigned long long>(differ));
-    return differ == 0 ? 0 : 1;
+    // A path that no world took was not compared.
+    const std::uint64_t missing = shows_coverage ? coverage.print() : 0;
+    if (missing != 0)
+        std::printf("%llu paths were taken by no world\n", static_cast<unsigned long long>(missing));
+    return differ + missing == 0 ? 0 : 1;
 }

@@ -1,6 +1,5 @@
 #include "modes.h"
 
-#include "lockstone/testing.h"
 #include "support/task_runners.h"
 
 #include <cstdio>
@@ -185,6 +184,7 @@ void Player::look() {
 void Player::tick(std::uint64_t t) {
     teller.apply(*own, t);
     own->tick();
+    taken |= testing::paths_taken(*own);
     if (mode.planted != t + 1 || own->body_count() == 0) return;
     State& state = testing::state_of(*own);
     std::uint32_t column = 0;

@@ -6,6 +6,7 @@
 #include "lockstone/math/random.h"
 #include "lockstone/simd.h"
 #include "lockstone/tasks.h"
+#include "lockstone/testing.h"
 
 #include <array>
 #include <memory>
@@ -62,6 +63,8 @@ class Player {
     /// Runs the commands before tick `t`, then the tick. Ticks are run in order, each once.
     void play(std::uint64_t t);
     World& world() { return *own; }
+    /// The execution paths of all ticks so far.
+    const testing::PathSet& paths() const { return taken; }
     const World& world() const { return *own; }
 
   private:
@@ -80,6 +83,7 @@ class Player {
     std::unique_ptr<Watcher> watcher;
     Teller teller;
     std::unique_ptr<World> own;
+    testing::PathSet taken;
     Image kept; ///< before tick `kept_tick`
     std::uint64_t kept_tick = 0;
     bool is_kept = false;
