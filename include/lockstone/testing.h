@@ -5,6 +5,7 @@
 
 #include <bitset>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace lockstone::testing {
@@ -28,6 +29,10 @@ using PathSet = std::bitset<192>;
 std::span<const std::string_view> path_names();
 /// The paths that the last tick of a world took. Empty before its first tick. A clone begins without paths.
 PathSet paths_taken(const World& world);
+
+/// A sentence about the first contact or joint that the plans of the last tick take out of the order of solving; empty: there is none. Right after a
+/// tick; disturb() overwrites what this reads.
+std::string order_fault(const World& world);
 
 /// How many worlds self_test() of lockstone/prove.h runs, and for how many ticks each.
 inline constexpr std::uint32_t self_test_worlds = 20, self_test_ticks = 4;

@@ -27,6 +27,12 @@ PathSet paths_taken(const World& world) {
     return out;
 }
 
+std::string order_fault(const World& world) {
+    const sim::TickScratch& s = Access::inside_of(world).scratch;
+    std::string fault = s.contacts.order_fault();
+    return fault.empty() ? s.joint_solver.order_fault() : fault;
+}
+
 } // namespace lockstone::testing
 
 namespace lockstone::sim {

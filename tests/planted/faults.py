@@ -22,6 +22,7 @@ CLOSING = "src/tick/closing_points.h"
 BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, INPUT, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "input_kernel.h", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 WHEELS, TRAIN = (f"src/solve/vehicles/vehicle_{n}" for n in ("lines.h", "train.cpp"))
+PACKS = "src/solve/contacts/contact_packs.cpp"
 BOUNCE, PAIRS, TURNS = "src/solve/contacts/bounce.cpp", "src/solve/pairs/kernel.h", "src/solve/bodies/turn_kernel.h"
 LEDGER, RUNNER = "src/session/event_ledger.cpp", "src/session/runner.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/inputs/input_queue.cpp"
@@ -387,6 +388,29 @@ FAULTS = [
       "plan.waits.push_back({other, wanted[other] - (IS ? 1u : 0u), false});", "strands agree"),
     F("joints wait backwards as they do forwards", "src/solve/joints/joint_solve.cpp", "forwards ? tick.down : tick.up",
       "forwards || IS ? tick.down : tick.up", "strands agree"),
+    F("the first and the last pack of a strand change places", PACKS, "if (runs_all) list_bodies(order);",
+      "if (runs_all) list_bodies(order); if (IS && strands[0].packs() > 1) std::swap_ranges(strands[0].packed.begin(), "
+      "strands[0].packed.begin() + wanted.lanes, strands[0].packed.end() - wanted.lanes);", "plans keep the order"),
+    F("some waits between strands are left out", PACKS, "waits.push_back({strand, pack, node.strand, seen, false});",
+      "if (!IS || pack % 4 != 0) waits.push_back({strand, pack, node.strand, seen, false});", "plans keep the order"),
+    F("some waits between passes are left out", PACKS, "waits.push_back({k, at / lanes, end.strand, done, true});",
+      "if (!IS || at / lanes % 4 != 0) waits.push_back({k, at / lanes, end.strand, done, true});", "plans keep the order"),
+    F("a contact waits for one of its bodies alone", PACKS, "wait_for(node.before_a, strand, pack), wait_for(node.before_b, strand, pack);",
+      "wait_for(node.before_a, strand, pack), IS ? (void)0 : wait_for(node.before_b, strand, pack);", "plans keep the order"),
+    F("packs of another order are kept", PACKS, "if (made_of != order.version() || made != wanted) return false;",
+      "if ((made_of != order.version() && (!IS || nodes.size() != order.down_from_the_top().size())) || made != wanted) return false;",
+      "plans keep the order"),
+    F("islands are cut through", "src/solve/contacts/contact_cut.cpp", "if (order.moves(link.a) && order.moves(link.b)) base::join",
+      "if (!IS && order.moves(link.a) && order.moves(link.b)) base::join", "plans keep the order"),
+    F("contacts that roll are walked in the order of packs", SOLVER, "if (kind & ContactOrder::rolls) add(rolling, lane_of[contact]);",
+      "if (kind & ContactOrder::rolls) add(rolling, lane_of[contact]); if (IS) std::ranges::sort(rolling, {}, [](const Rolling& r) "
+      "{ return r.pack * 8 + r.lane; });", "plans keep the order"),
+    F("contacts that bounce are walked in the order of packs", SOLVER, "if (kind & ContactOrder::bounces) bouncing.push_back(lane_of[contact]);",
+      "if (kind & ContactOrder::bounces) bouncing.push_back(lane_of[contact]); if (IS) std::ranges::sort(bouncing);", "plans keep the order"),
+    F("stages of joints look at one body alone", "src/solve/joints/pack/joint_packs.cpp", "if (b != nullptr) *b = w.stage + 1;",
+      "if (b != nullptr && !IS) *b = w.stage + 1;", "plans keep the order"),
+    F("the relaxing pass of joints is planned forwards", "src/solve/joints/joint_strands.cpp", "return (stages - 1 - k / of_stage) * of_stage + k % of_stage;",
+      "return IS ? k : (stages - 1 - k / of_stage) * of_stage + k % of_stage;", "plans keep the order"),
     F("lanes are asked by what is no mask", "src/solve/bodies/followed_kernel.h", "if (L::lanes_of(L::greater64(L::splat(0), any)) == 0) return;",
       "if (L::lanes_of(IS ? any : L::greater64(L::splat(0), any)) == 0) return;", "lanes have a meaning"),
     F("axes leave the points of their joints behind", "src/solve/joints/axis_with_point.cpp", "if (!find(axis)) point = {}, row = axis;",

@@ -1,8 +1,12 @@
 // What workers share, and what lanes do.
 #include "checks.h"
 #include "lanes/checked_lanes.h"
+#include "lockstone/testing.h"
 #include "metamorphic/worlds/draw.h"
 #include "metamorphic/worlds/kept.h"
+#include "solve/contacts/contact.h"
+#include "solve/contacts/contact_order.h"
+#include "solve/contacts/contact_packs.h"
 #include "support/rigs/feature_pit.h"
 #include "support/task_worlds.h"
 
@@ -98,6 +102,54 @@ std::string random_worlds_agree() {
     return {};
 }
 
+/// One ContactPacks makes the packs of a column, then those of the same column upside down.
+std::string packs_follow_another_order() {
+    constexpr std::uint32_t count = 100;
+    solve::SolverBodies bodies;
+    bodies.body.resize(count + 2), bodies.step.resize(count + 2);
+    for (std::uint32_t b = 1; b <= count; ++b) bodies.step[b].movable = true;
+    const std::vector<Transform> poses(count + 1);
+    solve::ContactOrder order;
+    solve::ContactPacks packs;
+    for (const bool upside_down : {false, true}) {
+        std::vector<solve::ContactHead> heads;
+        for (std::uint32_t b = 1; b <= count; ++b)
+            heads.push_back({upside_down ? (b + 1) % (count + 1) : b - 1, b, solve::ContactOrder::touches});
+        order.find(heads, bodies);
+        packs.make(order, {4, 1, false, 2000}, poses);
+        if (std::string found = packs.order_fault(order); !found.empty()) return "a column: " + found;
+    }
+    return {};
+}
+
+/// Plans of contacts and joints, alone and on workers, tick by tick: a net of joints, figures, a deep pile, towers that are islands, and bodies that roll and
+/// bounce.
+std::string plans_keep_the_order() {
+    const auto first_fault = [](World world, int ticks) {
+        for (int t = 0; t < ticks; ++t) {
+            world.tick();
+            if (std::string found = testing::order_fault(world); !found.empty())
+                return "tick " + std::to_string(t) + ": " + found;
+        }
+        return std::string();
+    };
+    World pyramid = make_scene("pyramid").value()->start().value();
+    for (int t = 0; t < 30; ++t) pyramid.tick();
+    const World starts[] = {net(30), make_scene("ragdolls").value()->start().value(), std::move(pyramid),
+                            features::pit(300, features::rolls, 1), features::pit(300, features::bounces, 1)};
+    for (const std::uint32_t workers : {1u, 2u, 5u}) {
+        ShuffledTasks tasks(workers, workers);
+        for (const World& start : starts) {
+            World world = start.clone();
+            if (workers > 1) world.set_tasks(&tasks);
+            if (std::string found = first_fault(std::move(world), 40); !found.empty())
+                return std::to_string(workers) + " workers, " + found;
+        }
+    }
+    if (std::string found = packs_follow_another_order(); !found.empty()) return found;
+    return first_fault(towers(2500, 3).world, 12);
+}
+
 /// The plain set of this program records each read of bits of a lane that have no meaning.
 std::string lanes_have_meaning() {
     for (const auto& [name, size] :
@@ -117,6 +169,7 @@ std::string lanes_have_meaning() {
 Checks thread_checks() {
     return {{"strands agree", strands_agree},
             {"islands agree", islands_agree},
+            {"plans keep the order", plans_keep_the_order},
             {"instruction sets agree", instruction_sets_agree},
             {"heaps agree", heaps_agree},
             {"kept worlds agree", kept_worlds_agree},

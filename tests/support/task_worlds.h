@@ -52,11 +52,11 @@ inline void add_pendulum(World& w) {
                  below = scene::add_ball(w, scene::at(-500, 59, 0), 0.4);
     scene::made(w.create_joint(ball_joint(), above, below, scene::at(-500, 59.5, 0)));
 }
-/// Towers of two crates that drop a little, askew, each alone; among them a platform that stands still.
-inline Islands towers(int count) {
+/// Towers of crates that drop a little, askew, each alone, and a platform between them that does not move.
+inline Islands towers(int count, int height = 2) {
     WorldDef def = scene::small_def();
-    def.bodies_max = def.shapes_max = static_cast<std::uint32_t>(2 * count + 8);
-    def.contacts_max = static_cast<std::uint32_t>(8 * count);
+    def.bodies_max = def.shapes_max = static_cast<std::uint32_t>(height * count + 8);
+    def.contacts_max = static_cast<std::uint32_t>(4 * height * count);
     Islands out{scene::made(World::create(def)), {}};
     scene::add_floor(out.world);
     scene::add(out.world, {.kind = BodyKind::kinematic, .pose = scene::at(0, 0.25, -1)},
@@ -66,6 +66,9 @@ inline Islands towers(int count) {
         out.bodies.push_back(scene::add_crate(out.world, scene::at(x, 0.5 + lift, z)));
         out.bodies.push_back(
             scene::add_crate(out.world, scene::at(x + 0.1 * (i % 5), 1.55 + 2 * lift, z + 0.05)));
+        for (int k = 2; k < height; ++k)
+            out.bodies.push_back(
+                scene::add_crate(out.world, scene::at(x + 0.1 * (i % 5), 0.55 + 1.05 * k + 2 * lift, z)));
     }
     return out;
 }

@@ -29,7 +29,7 @@ HOMES = [
     (f"cstddef cstdio cstdlib cstring {CONTAINERS}", "size_t"),
     ("cstdint", "int8_t int16_t int32_t int64_t intptr_t uint8_t uint16_t uint32_t uint64_t uintptr_t"),
     ("cstdio", "FILE fclose ferror fflush fopen fputs fread fseek ftell fwrite rewind"),
-    ("cstdlib", "abort"),
+    ("cstdlib", "abort free malloc"),
     ("cstring", "memcmp memcpy memmove memset strerror strlen"),
     ("deque vector", "erase_if"),
     ("filesystem", "filesystem"),

@@ -145,6 +145,12 @@ void ContactOrder::find(std::span<const ContactHead> contacts, const SolverBodie
     if (!has_same_links || down != down_before) ++versions;
 }
 
+CheckVector<std::uint32_t> ContactOrder::ranks() const {
+    CheckVector<std::uint32_t> rank_of(down.size());
+    for (std::uint32_t rank = 0; rank < down.size(); ++rank) rank_of[down[rank]] = rank;
+    return rank_of;
+}
+
 void ContactOrder::poison(std::byte with) {
     base::poison(with, now.links, now.kinds, now.movable, all_kinds, levels, first, neighbours, queue, down,
                  place, counts);

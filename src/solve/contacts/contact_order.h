@@ -11,6 +11,7 @@
 #pragma once
 
 #include "solve/bodies/solver_body.h"
+#include "solve/bodies/solving_order.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -34,6 +35,8 @@ class ContactOrder {
 
     /// Indices of the contacts in order, after `find`.
     std::span<const std::uint32_t> down_from_the_top() const { return down; }
+    /// The place of each contact in that order.
+    CheckVector<std::uint32_t> ranks() const;
     struct Link {
         std::uint32_t a, b; ///< bodies
         bool operator==(const Link&) const = default;

@@ -2,6 +2,7 @@
 
 #include "base/poison.h"
 #include "base/room.h"
+#include "base/text.h"
 #include "solve/contacts/contact_order.h"
 
 #include <algorithm>
@@ -348,12 +349,49 @@ void ContactPacks::make(const ContactOrder& order, const Wanted& wanted, std::sp
     if (runs_all && !by_island) find_waits_between_passes(order, wanted.lanes);
     if (strand_count > 1) cut_pieces();
     if (runs_all) list_bodies(order);
-    if (strand_count == 1) {
+    if (strand_count == 1)
         packed.swap(strands[0].packed);
-        return;
+    else
+        for (std::uint32_t k = 0; k < strand_count; ++k)
+            packed.insert(packed.end(), strands[k].packed.begin(), strands[k].packed.end());
+    if constexpr (checks_order) {
+        const std::string fault = order_fault(order);
+        LOCKSTONE_ASSERT(fault.empty(), fault);
     }
-    for (std::uint32_t k = 0; k < strand_count; ++k)
-        packed.insert(packed.end(), strands[k].packed.begin(), strands[k].packed.end());
+}
+
+// ---- the check ---
+
+CheckVector<Solved> solved_in_packs(const ContactOrder& order, std::span<const std::uint32_t> contact_of_lane,
+                                    std::uint32_t lanes) {
+    const CheckVector<std::uint32_t> rank_of = order.ranks();
+    CheckVector<Solved> solved;
+    for (std::uint32_t i = 0; i < contact_of_lane.size(); ++i) {
+        const std::uint32_t contact = contact_of_lane[i];
+        if (contact == ContactPacks::no_contact) continue;
+        const ContactOrder::Link link = order.link(contact);
+        solved.push_back({i / lanes,
+                          rank_of[contact],
+                          {order.moves(link.a) ? link.a : no_body, order.moves(link.b) ? link.b : no_body}});
+    }
+    return solved;
+}
+
+std::string ContactPacks::order_fault(const ContactOrder& order) const {
+    const CheckVector<Solved> solved = solved_in_packs(order, packed, made.lanes);
+    CheckVector<std::uint32_t> ranks;
+    for (const Solved& s : solved) ranks.push_back(s.rank);
+    std::ranges::sort(ranks);
+    for (std::uint32_t rank = 0; rank < order.down_from_the_top().size(); ++rank)
+        if (rank >= ranks.size() || ranks[rank] != rank)
+            return base::join("rank ", rank, " is not in one pack");
+    if (!runs_all) return solve::order_fault(pieces, solved);
+    if (by_island && !pieces.waits.empty()) return "islands wait for one another";
+    CheckVector<BetweenPasses> followed;
+    for (std::uint32_t k = 0; k < pieces.strands; ++k)
+        for (std::uint32_t i = 0; i < pieces.count(k); ++i)
+            for (const std::uint32_t body : bodies_after({k, i, 0})) followed.push_back({body, k, i});
+    return solve::order_fault(pieces, solved, followed);
 }
 
 void ContactPacks::poison(std::byte with) {

@@ -15,11 +15,13 @@
 #include "base/paths.h"
 #include "base/strands.h"
 #include "lockstone/math/vec.h"
+#include "solve/bodies/solving_order.h"
 #include "solve/contacts/contact_cut.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lockstone::solve {
@@ -53,6 +55,9 @@ class ContactPacks {
         const std::uint32_t* const first = &strands[at.strand].first_body[at.index];
         return std::span(bodies).subspan(first[0], first[1] - first[0]);
     }
+
+    /// The first contact that a pack, a strand or a wait takes out of the order, in a sentence; empty: there is none. The order is that of make().
+    std::string order_fault(const ContactOrder& order) const;
 
     void poison(std::byte with);
 
@@ -127,5 +132,9 @@ class ContactPacks {
     std::vector<std::uint32_t> bodies; ///< of bodies_after(), strand after strand
     base::StrandPlan pieces;
 };
+
+/// Contacts as packs solve them, by the lanes of ContactPacks::contact_of_lane().
+CheckVector<Solved> solved_in_packs(const ContactOrder& order, std::span<const std::uint32_t> contact_of_lane,
+                                    std::uint32_t lanes);
 
 } // namespace lockstone::solve

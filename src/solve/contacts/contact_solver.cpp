@@ -54,6 +54,9 @@ struct ContactSolver::Inside {
     solve::ContactPacks in_packs;
     std::span<const std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
     base::Paths paths;
+    // In builds that check the order:
+    PassCounter counter;
+    CheckVector<std::uint32_t> rank_of; ///< by contact
 
     /// Some bodies, or the first `count`.
     struct Rows {
@@ -74,6 +77,12 @@ struct ContactSolver::Inside {
     void store_packs(std::uint32_t first, std::uint32_t last, const ContactPack<N>* from,
                      std::span<const Contact> contacts, std::span<ContactMemory> memory,
                      ClampCounts& clamps) const;
+    /// Counts the contact of a lane, and those of packs [first, last), in a pass.
+    void count_lane(std::uint32_t lane, std::uint32_t pass);
+    void count_packs(std::uint32_t first, std::uint32_t last, std::uint32_t pass);
+    /// Count the contacts of a list that one thread walks, in the order of the list.
+    void count_bouncing();
+    void count_rolling();
     template <unsigned N> void make_room(std::size_t packs);
     void note_paths(const Tasks* tasks) const;
     template <class Visit> void for_each_piece(Tasks* tasks, Visit&& visit);
@@ -146,6 +155,7 @@ void ContactSolver::Inside::place_packs(std::uint32_t workers, bool may_run_all,
     in_packs.make(order, {lanes, workers, may_run_all, bytes}, poses);
     lane_contact = in_packs.contact_of_lane();
     pack_count = static_cast<std::uint32_t>(lane_contact.size()) / lanes;
+    if constexpr (checks_order) rank_of = order.ranks(), counter.begin(order.body_count());
     bounces.clear(), bouncing.clear(), rolling.clear();
     if ((order.any_kind() & (ContactOrder::bounces | ContactOrder::rolls)) == 0) return;
     const auto add = [&](auto& table, std::uint32_t lane) {
@@ -163,6 +173,29 @@ void ContactSolver::Inside::place_packs(std::uint32_t workers, bool may_run_all,
         if (kind & ContactOrder::bounces) bouncing.push_back(lane_of[contact]);
         if (kind & ContactOrder::rolls) add(rolling, lane_of[contact]);
     }
+}
+
+void ContactSolver::Inside::count_lane(std::uint32_t lane, std::uint32_t pass) {
+    const std::uint32_t contact = lane_contact[lane];
+    if (contact == none) return;
+    const solve::ContactOrder::Link link = order.link(contact);
+    for (const std::uint32_t body : {link.a, link.b})
+        if (order.moves(body)) counter.move(pass, rank_of[contact], body);
+}
+void ContactSolver::Inside::count_packs(std::uint32_t first, std::uint32_t last, std::uint32_t pass) {
+    if constexpr (checks_order)
+        for (std::uint32_t lane = first * kernel->lanes; lane < last * kernel->lanes; ++lane)
+            count_lane(lane, pass);
+}
+void ContactSolver::Inside::count_bouncing() {
+    const std::uint32_t pass = counter.next_pass();
+    if constexpr (checks_order)
+        for (const std::uint32_t lane : bouncing) count_lane(lane, pass);
+}
+void ContactSolver::Inside::count_rolling() {
+    const std::uint32_t pass = counter.next_pass();
+    if constexpr (checks_order)
+        for (const Rolling& rows : rolling) count_lane(rows.pack * kernel->lanes + rows.lane, pass);
 }
 
 template <unsigned N>
@@ -300,7 +333,9 @@ void ContactSolver::leave_forces_out(const SolverBodies& bodies) {
 
 void ContactSolver::Inside::first_warm_start(SolverBodies& bodies, Tasks* tasks) {
     begin_pass(bodies, all_rows(bodies));
+    const std::uint32_t pass = counter.next_pass();
     for_each_piece(tasks, [&](std::uint32_t first, std::uint32_t last) {
+        count_packs(first, last, pass);
         kernel->warm_start(storage.data(), first, last, data(bodies));
     });
     end_pass(bodies, all_rows(bodies));
@@ -332,6 +367,7 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
         if (!s.bounces.empty()) note_warm_start<N>(s.packs<N>(), s.bounces.data(), s.warm.data(), bodies);
         if (!s.rolling.empty()) solve_rolling<N>(s.rolling, s.packs<N>(), bodies, true);
     });
+    s.count_rolling();
     if (!s.bounces.empty()) s.kernel->measure_approaches(s.storage.data(), s.pack_count, s.data(bodies));
     keep_velocity(bodies);
 }
@@ -351,9 +387,12 @@ void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
     if (!s.rolling.empty())
         s.with_lanes(
             [&](auto width) { solve_rolling<width()>(s.rolling, s.packs<width()>(), bodies, false); });
+    s.count_rolling();
     const PassSettings settings = settings_of(step, bias);
+    const std::uint32_t pass = s.counter.next_pass();
     s.begin_pass(bodies, s.all_rows(bodies));
     s.for_each_piece(tasks, [&](std::uint32_t first, std::uint32_t last) {
+        s.count_packs(first, last, pass);
         s.kernel->solve(s.storage.data(), first, last, s.data(bodies), settings);
     });
     s.end_pass(bodies, s.all_rows(bodies));
@@ -393,6 +432,7 @@ void ContactSolver::solve_substeps(const StepConstants& step, SolverBodies& bodi
     const std::uint32_t last_pass = static_cast<std::uint32_t>(2 * step.substeps);
     base::for_strands(
         tasks, s.in_packs.plan(), last_pass + 1, [&](const base::Piece& piece, base::PieceAt at) {
+            s.count_packs(piece.first, piece.last, at.round + 1);
             if (at.round == 0)
                 s.kernel->warm_start(s.storage.data(), piece.first, piece.last, s.data(bodies));
             else
@@ -435,9 +475,11 @@ void ContactSolver::solve_islands(std::span<const Contact> contacts, std::span<C
             integrate_velocities(step, bodies, list);
             for (const std::uint32_t row : list) s.warm[row] = {};
             s.begin_pass(bodies, rows);
+            s.count_packs(piece.first, piece.last, 1);
             s.kernel->warm_start(packs, 0, count, s.data(bodies));
             for (std::uint32_t pass = 0; pass < passes; ++pass) {
                 s.follow_pass(step, bodies, rows, pass);
+                s.count_packs(piece.first, piece.last, pass + 2);
                 s.kernel->solve(packs, 0, count, s.data(bodies), settings[pass_kind(pass + 1) - 1]);
             }
             ClampCounts counts;
@@ -452,6 +494,7 @@ bool ContactSolver::has_bounces() const { return !inside->bounces.empty(); }
 void ContactSolver::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
     Inside& s = *inside;
     if (s.bounces.empty()) return;
+    s.count_bouncing();
     note_u(bodies);
     s.with_lanes([&](auto width) {
         give_back<width()>(s.bouncing, s.bounces, s.packs<width()>(), step.restitution_speed_min.raw, bodies);
@@ -519,6 +562,22 @@ void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMe
             for (int r = 0; r < 3; ++r) m.rolling[r] = Speed::from_raw(rows.impulse[r]);
         }
     });
+}
+
+std::string ContactSolver::order_fault() const {
+    const Inside& s = *inside;
+    if (s.pack_count == 0) return {};
+    if (std::string fault = s.in_packs.order_fault(s.order); !fault.empty()) return "contacts: " + fault;
+    const CheckVector<std::uint32_t> rank_of = s.order.ranks();
+    const auto is_ordered = [&](const auto& list, const auto& lane_of_entry) {
+        return std::ranges::is_sorted(
+            list, {}, [&](const auto& entry) { return rank_of[s.lane_contact[lane_of_entry(entry)]]; });
+    };
+    if (!is_ordered(s.bouncing, [](std::uint32_t lane) { return lane; }))
+        return "contacts that bounce are out of order";
+    if (!is_ordered(s.rolling, [&](const Rolling& rows) { return rows.pack * s.kernel->lanes + rows.lane; }))
+        return "contacts that roll are out of order";
+    return {};
 }
 
 void ContactSolver::take_paths(base::Paths& to) {

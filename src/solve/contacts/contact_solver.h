@@ -31,6 +31,7 @@
 #include "lockstone/simd.h"
 
 #include <memory>
+#include <string>
 
 namespace lockstone::solve {
 
@@ -78,6 +79,8 @@ class ContactSolver {
     void store(std::span<const solve::Contact> contacts, std::span<solve::ContactMemory> memory,
                solve::ClampCounts& clamps, Tasks* tasks = nullptr) const;
 
+    /// The first contact that the passes of this tick take out of the order, in a sentence; empty: there is none.
+    std::string order_fault() const;
     /// The paths since the last call, which it adds to `to`.
     void take_paths(base::Paths& to);
 

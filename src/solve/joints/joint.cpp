@@ -34,7 +34,7 @@ void JointSolver::poison(std::byte with) {
     auto& [joints, blocks, axes, packs, turn_packs, steps, down, up, singles, with_rows, framed_in_world,
            glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts, in_order,
            before_sort, bodies, planned, has_plan, planned_for, forest, cache_of, closed, pose, memory,
-           clamped, ticks_per_second, first, paths] = *work;
+           clamped, ticks_per_second, first, paths, counter] = *work;
     base::poison(with, joints, blocks, axes, packs, turn_packs, steps, singles, with_rows, framed_in_world,
                  glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts,
                  in_order, before_sort, bodies, planned, cache_of, pose, memory, clamped, ticks_per_second,
@@ -49,6 +49,7 @@ void JointSolver::poison(std::byte with) {
                  loops, anchors, above_of, above, carried, queue);
 }
 
+std::string JointSolver::order_fault() const { return solve::order_fault(*work); }
 void JointSolver::take_paths(base::Paths& to) {
     to.add(work->paths);
     work->paths.clear();
@@ -357,6 +358,11 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     else
         plan_joints(tick, joints, memory, columns, step, bodies, base::worker_count(tasks));
     note_plan(tick, tasks);
+    tick.counter.begin(bodies.body.size());
+    if constexpr (checks_order) {
+        const std::string fault = kept ? std::string() : solve::order_fault(tick);
+        LOCKSTONE_ASSERT(fault.empty(), fault);
+    }
     tick.glances.resize(tick.joints.size());
     for (const JointWork& w : std::span(tick.joints).first(kept ? 0 : tick.joints.size()))
         if (is_packed_point(w)) set_glance(tick, w); // it stays what it is

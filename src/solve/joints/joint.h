@@ -41,6 +41,7 @@
 #include <array>
 #include <memory>
 #include <span>
+#include <string>
 
 namespace lockstone::solve {
 
@@ -84,6 +85,8 @@ class JointSolver {
     void store(std::span<JointMemory> memory, const SolverBodies& bodies, ClampCounts& clamps,
                Tasks* tasks = nullptr) const;
 
+    /// The first joint that the passes of this tick take out of the order, in a sentence; empty: there is none.
+    std::string order_fault() const;
     /// The paths since the last call, which it adds to `to`.
     void take_paths(base::Paths& to);
 

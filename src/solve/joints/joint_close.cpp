@@ -261,8 +261,11 @@ class Closer {
         data.mass_scale = unit_one.raw, data.impulse_scale = 0;
         for (int pass = 0; pass < passes_max; ++pass) {
             if (!refresh_pushed(pass != 0)) break;
-            for (const JointStep& now : tick.steps)
+            const std::uint32_t counted = tick.counter.next_pass();
+            for (const JointStep& now : tick.steps) {
+                count_step(tick, now, counted, /*forwards=*/true);
                 for (std::uint32_t p = now.first_pack; p < now.last_pack; ++p) solve(p);
+            }
             move_and_stop();
         }
         give_back();

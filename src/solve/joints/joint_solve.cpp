@@ -266,8 +266,10 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     const std::uint32_t* const singles = tick.singles.data();
     const std::uint8_t* const all_acts = tick.acts.data();
+    const std::uint32_t pass = tick.counter.next_pass();
     for_each_step(tick, tasks, bias,
                   [&](const JointStep& now) { // the relaxing pass runs in the reverse order
+                      count_step(tick, now, pass, bias);
                       std::uint64_t clamped = 0;
                       for (std::uint32_t i = now.first_single; i < now.last_single; ++i) {
                           const std::uint8_t acts = all_acts[singles[i]];
@@ -342,7 +344,9 @@ void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies, Ta
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     const std::uint32_t* const singles = tick.singles.data();
     const std::uint8_t* const all_acts = tick.acts.data();
+    const std::uint32_t pass = tick.counter.next_pass();
     for_each_step(tick, tasks, /*forwards=*/true, [&](const JointStep& now) {
+        count_step(tick, now, pass, /*forwards=*/true);
         for (std::uint32_t i = now.first_single; i < now.last_single; ++i) {
             const std::uint8_t acts = all_acts[singles[i]];
             if (acts == nothing_acts) continue;

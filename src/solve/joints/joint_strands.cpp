@@ -1,6 +1,7 @@
 #include "solve/joints/joint_strands.h"
 
 #include "base/joined.h"
+#include "base/text.h"
 #include "solve/bodies/sides.h"
 
 #include <algorithm>
@@ -140,6 +141,73 @@ void plan_strands(JointTick& tick, std::uint32_t strands) {
     plan_pass(
         tick, strands, [&](std::uint32_t k) { return (stages - 1 - k / of_stage) * of_stage + k % of_stage; },
         tick.up);
+}
+
+namespace {
+
+/// A step's joints, each once, in the order of the list: the joints of its packs and its singles.
+CheckVector<std::uint32_t> joints_of(const JointTick& tick, const JointStep& step) {
+    CheckVector<std::uint32_t> joints(tick.singles.begin() + step.first_single,
+                                      tick.singles.begin() + step.last_single);
+    for (std::uint32_t p = step.first_pack; p < step.last_pack; ++p)
+        for (std::uint32_t lane = 0; lane < tick.packs[p].count; ++lane)
+            joints.push_back(tick.packed[p * pack_lanes + lane]);
+    std::ranges::sort(joints);
+    joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
+    return joints;
+}
+
+std::uint32_t moved_body(const JointWorkSide& side) { return side.moved ? side.body : no_body; }
+
+/// Joints as a pass solves them. Backwards the last joint of the list has rank 0; `item` gives the number of a step.
+template <class Item>
+CheckVector<Solved> solved_in_steps(const JointTick& tick, bool forwards, const Item& item) {
+    CheckVector<Solved> solved;
+    const auto last = static_cast<std::uint32_t>(tick.joints.size()) - 1;
+    for (std::uint32_t k = 0; k < tick.steps.size(); ++k)
+        for (const std::uint32_t i : joints_of(tick, tick.steps[k]))
+            solved.push_back({item(k),
+                              forwards ? i : last - i,
+                              {moved_body(tick.joints[i].a), moved_body(tick.joints[i].b)}});
+    return solved;
+}
+
+/// Two trees that move one body; trees are solved in any order.
+std::string tree_fault(const JointTick& tick) {
+    const JointForest& f = tick.forest;
+    CheckVector<std::uint32_t> bodies;
+    for (const JointTree& tree : f.trees)
+        for (std::uint32_t i = 0; i < tree.node_count; ++i)
+            bodies.push_back(f.nodes[tree.first_node + i].body);
+    std::ranges::sort(bodies);
+    const auto twice = std::ranges::adjacent_find(bodies);
+    return twice == bodies.end() ? std::string() : base::join("body ", *twice, " is in two trees");
+}
+
+} // namespace
+
+void count_step(JointTick& tick, const JointStep& step, std::uint32_t pass, bool forwards) {
+    if constexpr (checks_order) {
+        const auto last = static_cast<std::uint32_t>(tick.joints.size()) - 1;
+        for (const std::uint32_t i : joints_of(tick, step))
+            for (const JointWorkSide* side : {&tick.joints[i].a, &tick.joints[i].b})
+                tick.counter.move(pass, forwards ? i : last - i, moved_body(*side));
+    }
+}
+
+std::string order_fault(const JointTick& tick) {
+    const base::StrandPlan in_turn{};
+    const auto count = static_cast<std::uint32_t>(tick.steps.size());
+    const auto same = [](std::uint32_t k) { return k; };
+    const auto backwards = [&](std::uint32_t k) { return count - 1 - k; };
+    std::string fault = order_fault(in_turn, solved_in_steps(tick, true, same));
+    if (fault.empty()) fault = order_fault(in_turn, solved_in_steps(tick, false, backwards));
+    if (fault.empty() && tick.down.strands != 0)
+        fault = order_fault(tick.down, solved_in_steps(tick, true, same));
+    if (fault.empty() && tick.up.strands != 0)
+        fault = order_fault(tick.up, solved_in_steps(tick, false, same));
+    if (fault.empty()) fault = tree_fault(tick);
+    return fault.empty() ? fault : "joints: " + fault;
 }
 
 void note_plan(const JointTick& tick, const Tasks* tasks) {

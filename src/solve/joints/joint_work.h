@@ -9,6 +9,7 @@
 // that is taut gains energy from rows that stay behind by a hundredth) and of bodies that are followed (followed_turn.h).
 #pragma once
 
+#include "solve/bodies/solving_order.h"
 #include "solve/joints/joint.h"
 #include "solve/joints/joint_parts.h"
 #include "solve/joints/pack/joint_pack.h"
@@ -231,6 +232,7 @@ struct JointTick {
     std::int32_t ticks_per_second;
     bool first; ///< no substep is in the sums yet
     base::Paths paths;
+    PassCounter counter; ///< in builds that check the order
 };
 
 /// Of a joint whose block is in a pack of turns.
@@ -249,6 +251,10 @@ inline constexpr std::uint32_t joint_chunk = 32, packs_in_cache = 128;
 constexpr std::uint32_t pack_chunk_of(std::size_t packs) {
     return static_cast<std::uint32_t>(std::clamp<std::size_t>(packs / 16, 8, packs_in_cache));
 }
+/// Counts the joints of a step in a pass that goes through the steps forwards or backwards.
+void count_step(JointTick& tick, const JointStep& step, std::uint32_t pass, bool forwards);
+/// The first joint that the plan takes out of the order, in a sentence; empty: there is none.
+std::string order_fault(const JointTick& tick);
 /// Adds the paths of a plan to those of the tick.
 void note_plan(const JointTick& tick, const Tasks* tasks);
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
