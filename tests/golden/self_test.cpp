@@ -15,7 +15,7 @@ using namespace lockstone;
 
 namespace {
 
-/// What all worlds of the self test have at some tick.
+/// Properties that the worlds of the self test have at some tick, counted.
 struct Seen {
     std::set<ShapeKind> shapes;
     std::set<JointKind> joints;
