@@ -25,7 +25,7 @@ ALONE = {"kernels"}  # one instruction set each
 
 # Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
-GNU_FLAGS = ["-fno-delete-null-pointer-checks"]  # as CMakeLists.txt has it, which says why
+GNU_FLAGS = ["-fno-delete-null-pointer-checks"]  # as CMakeLists.txt has it; src/base/null_pointers.cpp says why
 UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
 # Of MSVC's cl, which takes intrinsics of SSE4.1 as they come; clang-cl takes clang's, handed on.
 KERNELS_OF_CL = {"kernel_avx2.cpp": ["-arch:AVX2"], "kernel_avx512.cpp": ["-arch:AVX512"]}
