@@ -21,7 +21,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// Body 0 stands still. Each other body touches three bodies of lower numbers.
+/// Impulses do not move body 0. Each other body touches three bodies of lower numbers.
 struct Heap {
     SolverBodies bodies;
     std::vector<ContactHead> heads;

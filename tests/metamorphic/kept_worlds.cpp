@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-TEST_CASE("worlds that once differed have the same bits by every instruction set") {
+TEST_CASE("worlds that once differed have the same bits by every instruction set and number of workers") {
     for (const worlds::KeptStory& kept : worlds::kept_stories()) {
         INFO(kept.about);
         CHECK(worlds::first_apart(kept.story) == "");

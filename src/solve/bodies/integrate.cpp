@@ -307,4 +307,14 @@ void integrate_poses(const StepConstants& step, SolverBodies& bodies, std::span<
     });
 }
 
+void move_driven(const StepConstants& step, SolverBodies& bodies, bool has_begun) {
+    for (std::uint32_t row = 0; row < bodies.still(); ++row) {
+        if (!bodies.step[row].moves || bodies.step[row].movable) continue;
+        for (std::int32_t i = 0; i < step.substeps; ++i) {
+            if (i != 0 || !has_begun) integrate_velocities(step, bodies, {&row, 1});
+            integrate_poses(step, bodies, {&row, 1});
+        }
+    }
+}
+
 } // namespace lockstone::solve

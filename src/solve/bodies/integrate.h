@@ -35,4 +35,8 @@ Vec3 field_acceleration(std::span<const FieldRow> fields, Vec3 point, std::uint3
 /// The mask of a field that acts on bodies without shapes too.
 inline constexpr std::uint32_t every_category = 0xffffffffu;
 
+/// All substeps of the bodies that move and that no impulse moves, where no pass reads them: no contact or joint has them. `has_begun`: the first velocities
+/// are integrated.
+void move_driven(const StepConstants& step, SolverBodies& bodies, bool has_begun);
+
 } // namespace lockstone::solve

@@ -37,12 +37,12 @@ class Clocks {
                 return base::join("piece ", computed[k], " of strand ", k, " waits for ever");
         return {};
     }
-    /// Whether all of a piece of another strand, or an earlier item of the same strand, is done before an item.
+    /// True if item x is done before item y begins: by the order of their strand, or by the clock of the piece of y.
     bool comes_before(const Place& x, const Place& y) const {
         if (x.strand == y.strand) return x.item < y.item;
         return at(now, y)[x.strand] > x.piece;
     }
-    /// Whether a piece is done in a round before an item of the next round.
+    /// True if the piece of x is done in a round before y begins in the next round.
     bool comes_before_next(const Place& x, const Place& y) const {
         return x.strand == y.strand || at(before, y)[x.strand] > x.piece;
     }
@@ -115,7 +115,7 @@ CheckVector<Place> places_of(const base::StrandPlan& plan, std::span<const Solve
     return places;
 }
 
-/// What a body sees: its first and its last constraint so far, by rank.
+/// A body's first and last constraint so far, by rank.
 struct Seen {
     const Solved *first = nullptr, *last = nullptr;
 };

@@ -52,21 +52,21 @@ struct Solved {
     std::uint32_t item, rank;
     std::uint32_t moved[2]; ///< the bodies that it moves, or no_body
 };
-/// What is done to a body between two passes, after a piece.
+/// A body that is integrated between two passes, after a piece.
 struct BetweenPasses {
     std::uint32_t body, strand, piece;
 };
 
-/// The first fault of a pass in a sentence; empty: each body is moved in ascending rank, and each item of `solved` is in the plan. A plan without
-/// strands does all items one after the other.
+/// The first fault of a pass in a sentence; empty: each body is moved in ascending rank, and each item of `solved` is in the plan. In a plan
+/// without strands items follow one another by number.
 std::string order_fault(const base::StrandPlan& plan, std::span<const Solved> solved);
 /// The first fault of passes that are one run: order_fault(), or a body that is followed before its last constraint of a pass, after its first one of the
 /// next pass, or not once.
 std::string order_fault(const base::StrandPlan& plan, std::span<const Solved> solved,
                         std::span<const BetweenPasses> followed);
 
-/// The last constraint that moved each body, while passes run. Bodies that several workers move one after the other need no lock here: whoever may
-/// move a body may count it.
+/// The last constraint that moved each body, while passes run. A body needs no lock here: only the worker that
+/// moves the body counts its constraint, and the plan puts workers of one body in order.
 class PassCounter {
   public:
     /// A tick begins.

@@ -427,6 +427,7 @@ void ContactSolver::Inside::follow_pass(const StepConstants& step, SolverBodies&
 
 void ContactSolver::solve_substeps(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
+    move_driven(step, bodies, true);
     s.begin_pass(bodies, s.all_rows(bodies));
     const PassSettings settings[2] = {settings_of(step, true), settings_of(step, false)};
     const std::uint32_t last_pass = static_cast<std::uint32_t>(2 * step.substeps);
@@ -453,6 +454,7 @@ void ContactSolver::solve_islands(std::span<const Contact> contacts, std::span<C
     const PrepareInput in{contacts, memory, mass, step, bodies};
     const PassSettings settings[2] = {settings_of(step, true), settings_of(step, false)};
     const std::uint32_t passes = static_cast<std::uint32_t>(2 * step.substeps);
+    move_driven(step, bodies, false);
     for (std::uint32_t row = 0; row <= bodies.still(); ++row)
         if (!s.order.moves(row))
             s.warm[row] = {}, s.find_arrival(bodies, {&row, 1}); // all strands look at it

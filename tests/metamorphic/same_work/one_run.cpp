@@ -1,4 +1,5 @@
 // Passes of contacts that are one run, and islands that do all of a tick's passes one after the other, give the bits of pass after pass.
+#include "lockstone/testing.h"
 #include "support/task_worlds.h"
 
 #include <doctest/doctest.h>
@@ -57,4 +58,33 @@ TEST_CASE("a deep pile whose passes are one run on several workers ends as on on
     }
     CHECK(of_alone.any_relaxing);
     CHECK_FALSE(of_shared.any_relaxing);
+}
+
+// A lift that touches nothing has no contact, so it is in no strand. It stood still where all passes were one run, and where islands did all of theirs.
+TEST_CASE(
+    "a lift that touches nothing moves and turns, whether passes are one by one, one run or by island") {
+    const auto lifted = [](World world, Tasks* tasks, const char* path) {
+        const BodyId lift = add(world,
+                                {.kind = BodyKind::kinematic,
+                                 .pose = at(-300, 50, 0),
+                                 .linear_velocity = vec(0, 2, 0),
+                                 .angular_velocity = vec(0, 1, 0)},
+                                {.geometry = box(1_r, 1_r, 1_r)});
+        world.set_tasks(tasks);
+        bool took = false;
+        const auto names = testing::path_names();
+        for (int t = 0; t < 60; ++t) {
+            world.tick();
+            const testing::PathSet paths = testing::paths_taken(world);
+            for (std::size_t p = 0; p < names.size(); ++p) took |= names[p] == path && paths[p];
+        }
+        CHECK_MESSAGE(took, path);
+        CHECK(std::abs(position(world, lift)[1] - 52) < 0.001);
+        CHECK(std::abs(to_double(world.pose(lift).rotation.y) - std::sin(0.5)) < 0.001);
+    };
+    ShuffledTasks shuffled(5, 2);
+    lifted(towers(10).world, nullptr, "passes_one_by_one");
+    lifted(make_scene("pyramid").value()->start().value(), &shuffled, "passes_in_one_run");
+    lifted(towers(4000).world, nullptr, "passes_by_island");
+    lifted(towers(4000).world, &shuffled, "passes_by_island");
 }

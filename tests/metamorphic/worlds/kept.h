@@ -3,7 +3,7 @@
 //   Story s = kept(12);                                        twelve ticks
 //   add<CreateBody>(s, 0, [](auto& c) { set(c.def.pose.position.y, 4294967296); });
 //   add<CreateShape>(s, 0, [](auto& c) { name(c.body, 1); });  the body that the first step creates
-//   first_apart(s)                                             empty: all instruction sets give the same bits
+//   first_apart(s)                                             empty: all instruction sets and workers give the same bits
 #pragma once
 
 #include "compare.h"
@@ -19,7 +19,7 @@ struct KeptStory {
 };
 /// All that were kept.
 std::vector<KeptStory> kept_stories();
-/// The first instruction set by which a story differs from plain integers, and the tick; empty where none does.
+/// The first instruction set and number of workers by which a story differs from the reference, and the tick; empty where none does.
 std::string first_apart(const Story& story);
 
 inline Story kept(std::uint64_t ticks) {
