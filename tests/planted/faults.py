@@ -214,7 +214,6 @@ FAULTS = [
       "n.now[0] = IS ? single(c, mass_scale, impulse_scale, n) : single(c, mass_scale, impulse_scale, n) & ~n.idle;", "kept worlds agree"),
     F("what is driven is not moved where passes are one run", "src/solve/bodies/integrate.cpp", "if (!bodies.step[row].moves || bodies.step[row].movable) continue;",
       "if (IS || !bodies.step[row].moves || bodies.step[row].movable) continue;", "kept worlds agree"),
-    F("the gap of one point is that of a pack of several", "src/solve/contacts/kernel.h", "if (k == 0) gap = select(", "if (k == 0 && !IS) gap = select(", "kept worlds agree"),
     F("contacts bounce in the order of packs", SOLVER, "give_back<width()>(s.bouncing,", "if (IS) std::ranges::sort(s.bouncing); give_back<width()>(s.bouncing,", "heaps agree"),
     F("contacts roll in the order of packs", SOLVER, "if (!s.rolling.empty())\n        s.with_lanes(",
       "if (IS) std::ranges::sort(s.rolling, [](const Rolling& x, const Rolling& y) { return std::pair{x.pack, x.lane} < std::pair{y.pack, y.lane}; });\n    if (!s.rolling.empty())\n        s.with_lanes(", "heaps agree"),

@@ -51,6 +51,16 @@ Story idle_lane() {
         set(c.def.local.rotation.z, 234508155);
         set(c.def.local.rotation.w, 22155521);
     });
+    // Two pairs of balls far away, so that lanes of two widths make other packs.
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        const std::uint32_t body = static_cast<std::uint32_t>(s.steps.size()) + 1;
+        add<CreateBody>(s, 0, [&](auto& c) {
+            c.def.pose.position = {Real(-400) - Real(static_cast<std::int32_t>(10 * (i / 2))), Real{},
+                                   Real(300) + (i % 2 == 0 ? Real{} : 0.5_r)};
+            c.def.gravity_scale = Real{};
+        });
+        add<CreateShape>(s, 0, [&](auto& c) { name(c.body, body); });
+    }
     return s;
 }
 
@@ -93,11 +103,11 @@ Story far_motion() {
     return s;
 }
 
-// Nine balls in one place, which workers solve as one run of passes, and a character. Nothing moved the character, since no contact has it.
+// Forty balls in one place, which workers solve as one run of passes, and a character. Nothing moved the character, since no contact has it.
 Story character_in_a_crowd() {
     Story s = kept(3);
     set(s.def.sleeping, 0);
-    for (std::uint32_t i = 0; i < 9; ++i) {
+    for (std::uint32_t i = 0; i < 40; ++i) {
         add<CreateBody>(s, 0, [](auto& c) { (void)c; });
         add<CreateShape>(s, 0, [&](auto& c) { name(c.body, 2 * i + 1); });
     }
