@@ -178,7 +178,7 @@ void* operator new(std::size_t size, std::align_val_t a) {
 void* operator new[](std::size_t size, std::align_val_t a) {
     return host::allocate(size, static_cast<std::size_t>(a));
 }
-// Of WebAssembly's library these would not come here by themselves, and what they allocate is released below.
+// The library of WebAssembly does not make these two from the others, and the functions below release their memory.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
     return host::allocate(size, alignof(std::max_align_t));
 }

@@ -5,7 +5,7 @@
 
 namespace worlds {
 
-/// What a run of a story gives: hashes of the whole state and of the outputs, after each tick.
+/// The result of a run of a story: hashes of the whole state and of the outputs, after each tick.
 struct Course {
     std::vector<std::uint64_t> states, outputs;
     testing::PathSet paths; ///< of all ticks

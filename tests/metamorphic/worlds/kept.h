@@ -17,7 +17,7 @@ struct KeptStory {
     const char* about;
     Story story;
 };
-/// All that were kept.
+/// The kept stories.
 std::vector<KeptStory> kept_stories();
 /// The first instruction set and number of workers by which a story differs from the reference, and the tick; empty where none does.
 std::string first_apart(const Story& story);

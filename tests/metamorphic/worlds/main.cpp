@@ -64,7 +64,7 @@ class Coverage {
         std::vector<std::array<std::uint64_t, feature_count>>(testing::path_names().size());
 };
 
-/// Of one seed. Returns whether all modes give the same bits.
+/// Compares the world of one seed. Returns true if all modes give the same bits.
 bool holds(std::uint64_t seed, std::uint32_t modes, const Extent& extent, Coverage& coverage) {
     const Drawn drawn = draw(seed, extent);
     const Course expected = run(drawn.story, reference_mode());
@@ -95,7 +95,7 @@ bool holds(std::uint64_t seed, std::uint32_t modes, const Extent& extent, Covera
     return true;
 }
 
-/// Whether a changed velocity is found after its tick, and named.
+/// Returns true if a changed velocity is found after its tick, and named.
 bool is_found(std::uint64_t seed, const Extent& extent) {
     const Story story = draw(seed, extent).story;
     const Course expected = run(story, reference_mode());

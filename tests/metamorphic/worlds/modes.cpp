@@ -84,7 +84,7 @@ std::vector<Mode> simpler(const Mode& mode) {
     return out;
 }
 
-/// Reads all that a world tells while it ticks, and returns nothing.
+/// An observer and a journal that count their calls.
 struct Player::Watcher final : PhaseObserver, Journal {
     void on_phase(const char*) override { ++seen; }
     void on_command(std::uint64_t, const Command&) override { ++seen; }

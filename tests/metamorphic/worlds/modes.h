@@ -1,4 +1,4 @@
-// Execution modes: all that must not change a bit of a world.
+// Execution modes. A mode must not change a bit of a world.
 #pragma once
 
 #include "story.h"
@@ -24,7 +24,7 @@ enum Restore : std::uint32_t {
     from_clone = 16, ///< clone()
     all_restores = 31,
 };
-/// What is changed outside of the state before a tick.
+/// Memory outside of the state that changes before a tick.
 enum Disturb : std::uint32_t { scratch = 1, trees = 2, pairs = 4, all_disturbs = 7 };
 
 enum class Runner : std::uint32_t { caller, shuffled, pool };

@@ -38,7 +38,7 @@ template <class T> bool are_equal(const T& a, const T& b) {
     }
 }
 
-/// Calls visit(path, node, usual node) for a value and all that it consists of, the whole first. A false answer skips the parts.
+/// Calls visit(path, node, usual node) for a value, then for its parts. If visit returns false, the parts of that node are skipped.
 template <class T, class Visit> void walk(const std::string& path, T& value, const T& usual, Visit& visit) {
     if (!visit(path, value, usual)) return;
     if constexpr (Leaf<T> || is_id<T>) {
@@ -167,7 +167,7 @@ class Shrinker {
     }
 
     void simplify_values() {
-        // Of all commands of a kind at once, then of each alone.
+        // First a value in all commands of a kind at once, then in each command alone.
         for (std::size_t kind = 0; kind < std::variant_size_v<Command>; ++kind)
             try_nodes([&](std::size_t i) { return best.story.steps[i].command.index() == kind; });
         if (best.story.steps.size() <= 40)

@@ -85,7 +85,7 @@ const GameSchema& story_schema();
 World story_world(const WorldDef& def);
 /// The assets that stories use: ordinary ones, and those at the limits of every kind. Made once.
 std::shared_ptr<const AssetLibrary> story_assets();
-/// Those of a kind that have the size of furniture, or of the ground of a room. The last compound is a floor.
+/// The assets of a kind that have the size of furniture, or of the ground of a room. The last compound is a floor.
 std::vector<Geometry> ordinary_assets(ShapeKind kind);
 
 /// Calls visit(id) for each id of a command.
@@ -108,7 +108,7 @@ class Teller {
     std::vector<World::Applied> made; ///< by step; empty unless needed
 };
 
-/// The same story with ids that name steps; its start becomes steps of tick 0 where `start_too`.
+/// A copy of the story whose ids name steps. Its start becomes steps of tick 0.
 Story symbolic(const Story& story);
 
 template <class Tag, class Visit> void visit_ids(Id<Tag>& id, Visit& visit) { visit(id); }
