@@ -306,6 +306,13 @@ class State {
     /// in `out`. Of a state that was replaced by another, all rows.
     std::uint32_t take_changes(std::uint32_t column, ChangeMark& mark, std::vector<RowRange>& out) const;
 
+    // ---- for tests ----
+    /// While `moves` is true, each call that may move the block does move it: resize() to another count, make_room(), reserve(), and
+    /// replacing all rows. The old block is overwritten before it is freed: code that uses a view for too long reads other bytes, and a
+    /// sanitizer names it. Default: false; true in builds with LOCKSTONE_MOVE_STATE. A copy of the state moves like the original.
+    /// No hash and no image depends on it.
+    void move_at_every_chance(bool moves) { moves_at_every_chance = moves; }
+
     // ---- checks of the bookkeeping; builds without NDEBUG make them at each hash, save and restore ----
     /// Hashes every page anew: refuses, with the column and the rows, where hash() would use another value.
     Status verify_versions() const;
@@ -330,6 +337,7 @@ class State {
     }
     void forget_all();
     void grow(std::shared_ptr<const StateLayout> layout);
+    void move_block();
     void make_room_for(std::span<const std::uint32_t> rows);
     void mark(std::uint32_t column, std::size_t first_page, std::size_t end_page);
     void restore_foreign(const Image& image);
@@ -341,6 +349,9 @@ class State {
     detail::Owner owner;
     detail::Versions versions; ///< of a page without a live row: 0
     std::uint64_t version_last = 0;
+    bool moves_at_every_chance = false;
+    /// Blocks that the state has left, overwritten. They are kept for a while, or the allocator gives the same memory again.
+    std::vector<detail::Block> left_blocks;
     /// Of pages and columns, and the versions they are of.
     struct Hashes {
         std::vector<std::uint64_t> page; ///< and room for one value after the last

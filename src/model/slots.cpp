@@ -7,17 +7,17 @@
 
 namespace lockstone::sim {
 
-std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::uint32_t& first_free,
+std::uint32_t take_slot(Model& w, TableId table, Column<Slot> column, std::uint32_t Header::*first_free,
                         std::uint32_t row) {
-    std::uint32_t index = first_free;
+    std::uint32_t index = w.header().*first_free;
     if (index == 0) {
-        const std::uint32_t count = state.count(table);
-        state.resize(table, count + 1);
+        const std::uint32_t count = w.state.count(table);
+        w.state.resize(table, count + 1);
         index = count + 1;
-        state.edit_row(column, index - 1).generation = 1;
+        w.state.edit_row(column, index - 1).generation = 1;
     }
-    Slot& slot = state.edit_row(column, index - 1);
-    first_free = slot.is_alive() ? 0 : slot.next_free();
+    Slot& slot = w.state.edit_row(column, index - 1);
+    w.edit_header().*first_free = slot.is_alive() ? 0 : slot.next_free();
     slot.row = row;
     return index;
 }

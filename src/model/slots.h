@@ -5,8 +5,9 @@
 
 namespace lockstone::sim {
 
-/// A slot for a new object in row `row`. The caller has made room, so that the header that `first_free` is in stays where it is.
-std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::uint32_t& first_free,
+/// A slot for a new object in row `row`; `first_free`: the field of the header that begins the list of free slots. May grow the table: views
+/// into the state end.
+std::uint32_t take_slot(Model& w, TableId table, Column<Slot> column, std::uint32_t Header::*first_free,
                         std::uint32_t row);
 void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint32_t& first_free);
 /// Moves the last row of a table into `row` and drops the last.

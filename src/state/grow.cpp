@@ -54,7 +54,23 @@ void State::grow(std::shared_ptr<const StateLayout> layout) {
     shared_layout = std::move(layout);
 }
 
+/// The rows stay where they are within the block.
+void State::move_block() {
+    const std::size_t size = shared_layout->size_bytes();
+    // A large block moves at one chance in 16, because its copy takes longer than a tick.
+    constexpr std::size_t large = std::size_t{1} << 18;
+    if (size > large && version_last % 16 != 0) return;
+    detail::Block other(size);
+    std::memcpy(other.get(), block.get(), size);
+    std::memset(block.get(), 0xa5, size);
+    constexpr std::size_t kept = 8;
+    if (left_blocks.size() == kept) left_blocks.erase(left_blocks.begin());
+    left_blocks.push_back(std::move(block));
+    block = std::move(other);
+}
+
 void State::reserve(std::span<const std::uint32_t> wanted) {
+    if (moves_at_every_chance) move_block();
     std::vector<std::uint32_t> capacities = capacities_of(*shared_layout);
     LOCKSTONE_ASSERT(wanted.size() == capacities.size(), wanted.size(), " capacities for ", capacities.size(),
                      " tables");
@@ -67,6 +83,7 @@ void State::reserve(std::span<const std::uint32_t> wanted) {
 }
 
 void State::make_room(std::initializer_list<TableId> tables, std::uint32_t more) {
+    if (moves_at_every_chance) move_block();
     const auto wanted = [&](TableId table) {
         return static_cast<std::uint32_t>(
             std::min<std::uint64_t>(std::uint64_t{count(table)} + more, rows_max(table)));
@@ -80,6 +97,7 @@ void State::make_room(std::initializer_list<TableId> tables, std::uint32_t more)
 
 /// By table; each within the limit (asserted).
 void State::make_room_for(std::span<const std::uint32_t> rows) {
+    if (moves_at_every_chance) move_block();
     std::vector<std::uint32_t> capacities;
     for (std::uint32_t table = 0; table < rows.size(); ++table) {
         const TableInfo& info = shared_layout->tables()[table];

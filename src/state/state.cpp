@@ -25,11 +25,17 @@ void Block::Free::operator()(std::byte* p) const { ::operator delete(p, block_al
 } // namespace detail
 
 namespace {
+#ifdef LOCKSTONE_MOVE_STATE
+constexpr bool moves_by_default = true;
+#else
+constexpr bool moves_by_default = false;
+#endif
+
 detail::Owner new_owner() { return std::make_shared<const std::byte>(); }
 } // namespace
 
 State::State(std::shared_ptr<const StateLayout> layout)
-    : shared_layout(std::move(layout)), owner(new_owner()) {
+    : shared_layout(std::move(layout)), owner(new_owner()), moves_at_every_chance(moves_by_default) {
     LOCKSTONE_ASSERT(shared_layout != nullptr && shared_layout->is_finished(),
                      "a State needs a finished layout");
     block = detail::Block(shared_layout->size_bytes());
@@ -48,7 +54,8 @@ State::State(std::shared_ptr<const StateLayout> layout)
 /// another owner gives them out from now on.
 State::State(const State& other)
     : shared_layout(other.shared_layout), block(shared_layout->size_bytes()), owner(new_owner()),
-      versions(other.versions), version_last(other.version_last), hashes(other.hashes) {
+      versions(other.versions), version_last(other.version_last),
+      moves_at_every_chance(other.moves_at_every_chance), hashes(other.hashes) {
     std::memcpy(block.get(), other.block.get(), shared_layout->size_bytes());
 }
 
@@ -119,6 +126,7 @@ void State::resize(TableId table, std::uint32_t rows) {
                      " rows, capacity ", rows_max(table));
     const std::uint32_t old = counts()[table.index];
     if (rows == old) return;
+    if (moves_at_every_chance) move_block();
     if (rows > capacity(table)) make_room({table}, rows - old);
     counts()[table.index] = rows;
     const std::span<const StateLayout::Placement> places = shared_layout->placements();

@@ -1,6 +1,7 @@
 // Worlds that had memory ahead and worlds that took it as things came are the same worlds.
 #include "lockstone/tasks.h"
 #include "metamorphic/stories.h"
+#include "support/rigs/moving_state.h"
 
 #include <doctest/doctest.h>
 
@@ -40,6 +41,10 @@ TEST_CASE("worlds with other reservations agree at every tick") {
     CHECK(taken.contacts > 100);
     CHECK(has_all.capacity().bodies == 2000);
     CHECK(has_all.capacity().contacts == 16000);
+}
+
+TEST_CASE("a world whose state moves at every chance plays as one whose state stays") {
+    CHECK(test::moving_state_differs(120) == "");
 }
 
 TEST_CASE("limits cost nothing: a world of the largest definition takes a few kilobytes") {

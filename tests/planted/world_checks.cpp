@@ -5,6 +5,7 @@
 #include "state/canonical.h"
 #include "support/contact_points.h"
 #include "support/rigs/joint_chains.h"
+#include "support/rigs/moving_state.h"
 #include "support/task_worlds.h"
 
 #include <algorithm>
@@ -568,6 +569,7 @@ Checks world_checks() {
                              {"rings keep together", rings_spin},
                              {"hinges hold", hinges_hold},
                              {"locked crates stop", locked_crates_stop},
+                             {"a state may move", [] { return lockstone::test::moving_state_differs(60); }},
                              {"grows", grows}});
     return list;
 }

@@ -241,7 +241,7 @@ void move_characters(Model& w, PlacedShapes& placed, CharacterScratch& s, Tasks*
     s.order_of_body.clear(), s.landings.clear();
     const std::uint32_t count = w.state.count(w.m.characters);
     if (count == 0) return;
-    // Pushing and crouching move no row of the state, so the references that movers hold stay valid.
+    // The tables grow once, and not for each body that is pushed. Movers hold no view into the state: what they wake moves rows.
     w.state.make_room({w.m.forces}, w.state.count(w.m.bodies));
     w.state.make_room({w.m.body_traits.table, w.m.shape_traits.table}, 4 * count);
     const std::span<const CharacterRow> rows = w.state.rows(w.m.character);

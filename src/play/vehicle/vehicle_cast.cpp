@@ -134,13 +134,14 @@ bool VehicleDriver::stands_as_before(const Scene& scene, std::uint32_t k) {
 }
 
 bool VehicleDriver::cast(Model& w, const Scene& scene) {
-    const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
-    if (rows.empty()) return false;
-    hits.resize(rows.size());
-    near.resize(rows.size());
+    const std::uint32_t count = w.state.count(w.m.vehicles);
+    if (count == 0) return false;
+    hits.resize(count);
+    near.resize(count);
     bool woke = false;
-    for (std::uint32_t k = 0; k < rows.size(); ++k) {
-        const VehicleDef& def = rows[k].def;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        // Valid until a body is woken, which moves rows of the state.
+        const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;
         if (!is_awake(w, w.row_of(def.chassis))) {
             // Wheels are no shapes: nothing touches them.
             if (w.header().bodies_awake == 0 || stands_as_before(scene, k)) continue;
@@ -149,7 +150,8 @@ bool VehicleDriver::cast(Model& w, const Scene& scene) {
             continue;
         }
         cast_wheels(scene, def, w.state.rows(w.m.vehicle_memory)[k], near[k], hits[k]);
-        for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const std::uint32_t wheel_count = def.wheel_count;
+        for (std::uint32_t i = 0; i < wheel_count; ++i) {
             const FirstHit& ground = hits[k][i].hit;
             if (!ground.shape || is_awake(w, w.row_of(ground.body))) continue;
             if (w.state.rows(w.m.body_info)[w.row_of(ground.body)].kind != BodyKind::dynamic) continue;

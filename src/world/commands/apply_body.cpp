@@ -28,8 +28,7 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     if (row == w.state.rows_max(w.m.bodies))
         return Error{join("create_body: the world is full: bodies_max is ", row)};
     w.state.make_room({w.m.body_slots, w.m.bodies}, 1);
-    Header& h = w.edit_header();
-    const std::uint32_t index = take_slot(w.state, w.m.body_slots, w.m.body_slot, h.body_free, row);
+    const std::uint32_t index = take_slot(w, w.m.body_slots, w.m.body_slot, &Header::body_free, row);
     const BodyId id{index, w.state.rows(w.m.body_slot)[index - 1].generation};
     w.state.resize(w.m.bodies, row + 1);
     const BodyDef& d = c.def;
@@ -77,8 +76,7 @@ Result<World::Applied> Applier::operator()(const CreateShape& c) {
     if (!was_never_awake(w, body_row)) body_row = wake(c.body);
     w.state.make_room({w.m.shape_slots, w.m.shapes}, 1);
     placed.fit(w.state.capacity(w.m.shape_slots));
-    const std::uint32_t index =
-        take_slot(w.state, w.m.shape_slots, w.m.shape_slot, w.edit_header().shape_free, row);
+    const std::uint32_t index = take_slot(w, w.m.shape_slots, w.m.shape_slot, &Header::shape_free, row);
     const ShapeId id{index, w.state.rows(w.m.shape_slot)[index - 1].generation};
     w.state.resize(w.m.shapes, row + 1);
     std::uint32_t free = w.header().shape_traits_free;

@@ -30,7 +30,7 @@ Result<World::Applied> Applier::operator()(const CreateCharacter& c) {
     }
     w.state.make_room({w.m.character_slots, w.m.characters}, 1);
     const std::uint32_t index =
-        take_slot(w.state, w.m.character_slots, w.m.character_slot, w.edit_header().character_free, row);
+        take_slot(w, w.m.character_slots, w.m.character_slot, &Header::character_free, row);
     const CharacterId id{index, w.state.rows(w.m.character_slot)[index - 1].generation};
     w.state.resize(w.m.characters, row + 1);
     CharacterRow& fresh = w.state.edit_row(w.m.character, row);

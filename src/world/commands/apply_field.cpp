@@ -27,8 +27,7 @@ Result<World::Applied> Applier::operator()(const CreateField& c) {
         return Error{join("create_field: the world is full: fields_max is ", row)};
     wake_all();
     w.state.make_room({w.m.field_slots, w.m.fields}, 1);
-    const std::uint32_t index =
-        take_slot(w.state, w.m.field_slots, w.m.field_slot, w.edit_header().field_free, row);
+    const std::uint32_t index = take_slot(w, w.m.field_slots, w.m.field_slot, &Header::field_free, row);
     const FieldId id{index, w.state.rows(w.m.field_slot)[index - 1].generation};
     w.state.resize(w.m.fields, row + 1);
     w.state.edit_row(w.m.field, row) = row_of(id, c.def);

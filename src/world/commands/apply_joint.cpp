@@ -44,8 +44,7 @@ Result<World::Applied> Applier::operator()(const CreateJoint& c) {
         return Error{join("create_joint: the world is full: joints_max is ", row)};
     wake_bodies(w, def);
     w.state.make_room({w.m.joint_slots, w.m.joints}, 1);
-    const std::uint32_t index =
-        take_slot(w.state, w.m.joint_slots, w.m.joint_slot, w.edit_header().joint_free, row);
+    const std::uint32_t index = take_slot(w, w.m.joint_slots, w.m.joint_slot, &Header::joint_free, row);
     const JointId id{index, w.state.rows(w.m.joint_slot)[index - 1].generation};
     w.state.resize(w.m.joints, row + 1);
     JointRow& fresh = w.state.edit_row(w.m.joint, row);

@@ -45,8 +45,7 @@ Result<World::Applied> Applier::operator()(const CreateVehicle& c) {
     if (row == w.state.rows_max(w.m.vehicles))
         return Error{join("create_vehicle: the world is full: vehicles_max is ", row)};
     w.state.make_room({w.m.vehicle_slots, w.m.vehicles}, 1);
-    const std::uint32_t index =
-        take_slot(w.state, w.m.vehicle_slots, w.m.vehicle_slot, w.edit_header().vehicle_free, row);
+    const std::uint32_t index = take_slot(w, w.m.vehicle_slots, w.m.vehicle_slot, &Header::vehicle_free, row);
     const VehicleId id{index, w.state.rows(w.m.vehicle_slot)[index - 1].generation};
     w.state.resize(w.m.vehicles, row + 1);
     w.state.edit_row(w.m.vehicle, row) = {id, def, VehicleInput{}};

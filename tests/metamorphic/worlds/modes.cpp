@@ -25,6 +25,7 @@ std::string to_string(const Mode& m) {
     add((m.disturbs & pairs) != 0, "pairs forgotten");
     add(m.observes, "observed"), add(m.hashes_phases, "phases hashed"), add(m.reserves, "reserved");
     add(m.queries, "queried"), add(m.other_order, "assembled in another order");
+    add(m.moves_state, "moving state");
     return out + ", seed " + std::to_string(m.seed);
 }
 
@@ -56,6 +57,7 @@ Mode draw_mode(Random& random) {
     m.reserves = random.below(4) == 0;
     m.queries = random.below(4) == 0;
     m.other_order = random.below(2) == 0;
+    m.moves_state = random.below(4) == 0;
     return m;
 }
 
@@ -80,7 +82,7 @@ std::vector<Mode> simpler(const Mode& mode) {
     for (std::uint32_t bit = 1; bit < all_disturbs; bit *= 2) add([&](Mode& m) { m.disturbs &= ~bit; });
     add([](Mode& m) { m.observes = false; }), add([](Mode& m) { m.hashes_phases = false; });
     add([](Mode& m) { m.reserves = false; }), add([](Mode& m) { m.queries = false; });
-    add([](Mode& m) { m.other_order = false; });
+    add([](Mode& m) { m.other_order = false; }), add([](Mode& m) { m.moves_state = false; });
     return out;
 }
 
@@ -107,6 +109,7 @@ Player::~Player() = default;
 void Player::attach() {
     if (!own->set_simd(mode.simd)) throw std::runtime_error("this machine lacks the instruction set");
     own->set_tasks(tasks.get());
+    if (mode.moves_state) testing::state_of(*own).move_at_every_chance(true);
     if (mode.observes) own->observe_phases(watcher.get()), own->set_journal(watcher.get());
     if (mode.hashes_phases) own->record_phase_hashes(true);
 }

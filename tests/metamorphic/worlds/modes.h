@@ -40,6 +40,7 @@ struct Mode {
     bool reserves = false;    ///< takes memory ahead
     bool queries = false;     ///< casts and overlaps between ticks
     bool other_order = false; ///< the start is assembled in another order
+    bool moves_state = false; ///< the state's block moves at every chance
     std::uint64_t seed = 0;
     std::uint64_t planted =
         0; ///< of a planted fault: after this tick, counted from 1, one velocity changes by a step of its format
