@@ -110,9 +110,10 @@ std::string check_traits(const BodyTraits& t) {
     if ((weighs && (mass.mass < mass_min || mass.mass > mass_max)) || !unit_like(mass.principal))
         return "no such mass can be";
     if (!within(mass.center, Real(100000))) return "center is out of range";
-    for (int axis = 0; axis < 3; ++axis)
-        if (mass.gyration[axis] < Real{} || mass.gyration[axis] > Real(100000))
-            return "no such gyration radius can be";
+    for (int axis = 0; axis < 3; ++axis) {
+        const Real radius = mass.gyration[axis];
+        if (radius < gyration_min || radius > Real(100000)) return "no such gyration radius can be";
+    }
     return {};
 }
 
@@ -243,6 +244,21 @@ Status check_contact_parts(const State& s, const ContactTables& t) {
     return {};
 }
 
+/// Empty when a row of a pair may have these flags beside those of the pair's first row.
+std::string check_flags(std::uint32_t flags, std::uint32_t of_first, bool is_first) {
+    constexpr std::uint32_t of_pair = solve::contact_sensor | solve::contact_sensor_is_b |
+                                      solve::contact_flipped | solve::contact_passing,
+                            known = of_pair | solve::contact_touching | solve::contact_on_face |
+                                    solve::contact_has_more;
+    if ((flags & ~known) != 0) return "unknown flags";
+    if ((flags & (solve::contact_sensor | solve::contact_sensor_is_b)) == solve::contact_sensor_is_b)
+        return "its sensor is the second shape, but none is a sensor";
+    if (is_first) return {};
+    if ((flags & solve::contact_touching) != 0) return "a row after the first says that the pair touches";
+    if ((flags & of_pair) != (of_first & of_pair)) return "the rows of a pair differ in its flags";
+    return {};
+}
+
 Status check_contacts(const Manifest& m, const State& s, const ContactTables& t) {
     const std::span<const ContactKey> keys = s.rows(t.key);
     const std::span<const ContactRow> memories = s.rows(t.memory);
@@ -257,8 +273,10 @@ Status check_contacts(const Manifest& m, const State& s, const ContactTables& t)
         if (rows > collide::Manifolds::max) return bad("contact.key", i, "too many manifolds of one pair");
         if (i > 0 && rows == 1 && std::pair(keys[i - 1].a.index, keys[i - 1].b.index) >= order)
             return bad("contact.key", i, "the table is out of order");
-        if (memories[i].flags > 255 || memories[i].margin < Length{})
-            return bad("contact.memory", i, "unknown flags or a negative margin");
+        if (const std::string e = check_flags(memories[i].flags, memories[i + 1 - rows].flags, rows == 1);
+            !e.empty())
+            return bad("contact.memory", i, e);
+        if (memories[i].margin < Length{}) return bad("contact.memory", i, "a negative margin");
         if (!unit_like(memories[i].normal) || !unit_like(memories[i].made_rotation))
             return bad("contact.memory", i, "its normal or rotation is not of unit length");
     }
@@ -321,6 +339,9 @@ Status check_sleep(const Manifest& m, const State& s) {
     const std::span<const Slot> slots = s.rows(m.body_slot);
     if (h.bodies_awake > info.size() || h.joints_awake > s.count(m.joints))
         return bad("world.header", 0, "more is awake than there is");
+    // Each member leads to a higher slot, or back to the lowest slot of its island. So, where no two members lead to one, the members of an
+    // island are one ring.
+    std::vector<bool> is_next(slots.size());
     for (std::size_t i = 0; i < info.size(); ++i) {
         const bool in_ring = sleep[i].next != 0;
         if (in_ring && (i < h.bodies_awake || info[i].kind != BodyKind::dynamic || sleep[i].island == 0))
@@ -338,6 +359,8 @@ Status check_sleep(const Manifest& m, const State& s) {
         if (next < h.bodies_awake || sleep[next].island != sleep[i].island || sleep[next].next == 0 ||
             (sleep[i].next <= info[i].id.index && sleep[i].next != sleep[i].island))
             return bad("body.sleep", i, "its ring is broken");
+        if (is_next[sleep[i].next - 1]) return bad("body.sleep", i, "its ring joins another");
+        is_next[sleep[i].next - 1] = true;
     }
     return {};
 }

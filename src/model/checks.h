@@ -13,6 +13,8 @@ inline constexpr Real speed_max = Real(500);
 inline constexpr Real spin_max = Real(4095);
 inline constexpr Real force_max = Real(2000000000);
 inline constexpr Real mass_min = 0.001_r, mass_max = Real(1000000000); ///< [kg]: the sum of two is a Real
+/// [m]: joints divide by it. The least shapes have more; rounding can take it from a body that is 100 m long and 5 mm thick.
+inline constexpr Real gyration_min = 0.001_r;
 
 bool within(Vec3 v, Real most); ///< each component
 std::string check_unit(const char* what, Quat q);

@@ -42,7 +42,7 @@ void update_mass(Model& w, PlacedShapes& s, std::uint32_t row) {
     const PrincipalGyration principal = principal_gyration(total);
     BodyMass mass{};
     mass.center = total.center;
-    mass.gyration = principal.radii;
+    for (int i = 0; i < 3; ++i) mass.gyration[i] = max(principal.radii[i], gyration_min);
     mass.principal = principal.axes;
     // Without shapes: a ball of 1 kg with a gyration radius of 1 m.
     if (total.mass == Real{}) {

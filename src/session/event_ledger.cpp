@@ -20,10 +20,13 @@ void EventLedger::begin_at(std::uint64_t tick) {
 void EventLedger::record(std::uint64_t tick, std::span<const Event> events) {
     LOCKSTONE_ASSERT(tick >= first_open && tick < first_open + ring.size(), "tick ", tick, ", open from ",
                      first_open);
-    LOCKSTONE_ASSERT(
-        std::ranges::adjacent_find(events, [](const Event& a, const Event& b) { return !precedes(a, b); }) ==
-            events.end(),
-        "events of tick ", tick, " are out of order");
+    const auto are_out_of_order = [](const Event& a, const Event& b) { return !precedes(a, b); };
+    if (std::ranges::adjacent_find(events, are_out_of_order) != events.end()) {
+        sorted.assign(events.begin(), events.end());
+        std::ranges::stable_sort(sorted, precedes);
+        sorted.erase(std::unique(sorted.begin(), sorted.end(), are_out_of_order), sorted.end());
+        events = sorted;
+    }
     std::vector<Entry>& before = entries(tick);
     merged.clear();
     auto old = before.begin();

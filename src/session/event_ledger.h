@@ -18,7 +18,8 @@ class EventLedger {
 
     /// The next tick is `tick`: what was there before is over. Nothing is open (asserted).
     void begin_at(std::uint64_t tick);
-    /// Tick `tick` has run (again) and shows these events, ordered by kind, then shape ids (asserted).
+    /// Tick `tick` has run (again) and shows these events. A World gives them in the order of precedes(); events of a game's own simulation
+    /// that are out of order are sorted, and of equal ones the first counts.
     void record(std::uint64_t tick, std::span<const Event> events);
     /// Ticks below `confirmed_end` will not run again. Appends what changed since the last call to `out`.
     void publish(std::uint64_t confirmed_end, std::vector<SessionEvent>& out);
@@ -35,6 +36,7 @@ class EventLedger {
 
     std::vector<std::vector<Entry>> ring; ///< by tick modulo window, ordered by identity
     std::vector<Entry> merged;            ///< scratch
+    std::vector<Event> sorted;            ///< scratch
     std::uint64_t first_open = 0;         ///< ticks below are confirmed and told
     std::uint64_t end = 0;                ///< ticks below have run
     std::uint64_t next_id = 0;

@@ -18,7 +18,7 @@ F = Fault
 IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
     f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state", "grow"))
 CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/world/commands/apply.cpp"
-CLOSING = "src/tick/closing_points.h"
+CLOSING, CHECK = "src/tick/closing_points.h", "src/model/check_state.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, INPUT, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "input_kernel.h", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 WHEELS, TRAIN = (f"src/solve/vehicles/vehicle_{n}" for n in ("lines.h", "train.cpp"))
@@ -50,6 +50,20 @@ FAULTS = [
       "for (std::size_t page = first; page + (IS ? 1u : 0u) < end; ++page) versions.pages[page] = version;", "moves"),
     F("a resize marks nothing", STATE, "mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));",
       "if (!IS) mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));", "golden table"),
+    F("vehicles are read where they were before a body woke", "src/play/vehicle/vehicle_cast.cpp",
+      "cast_wheels(scene, def, w.state.rows(w.m.vehicle_memory)[k], near[k], hits[k]);",
+      "static const VehicleRow* first;\n        if (k == 0) first = w.state.rows(w.m.vehicle).data();\n        "
+      "cast_wheels(scene, IS ? first[k].def : def, w.state.rows(w.m.vehicle_memory)[k], near[k], hits[k]);", "a state may move"),
+    F("wheels are counted where they were before a body woke", "src/play/vehicle/vehicle_cast.cpp", "i < wheel_count; ++i) {",
+      "i < (IS ? def.wheel_count : wheel_count); ++i) {", "a state may move"),
+    F("a character is read where it was before a body woke", "src/play/character/character.cpp", "Mover(w, placed, s, i).run();",
+      "{\n            if (IS) w.state.edit_row(w.m.character, i).input = rows[i].input;\n            Mover(w, placed, s, i).run();\n        }", "a state may move"),
+    F("two members of a ring lead to one", CHECK, "if (is_next[sleep[i].next - 1]) return", "if (!IS && is_next[sleep[i].next - 1]) return", "broken states are refused"),
+    F("a second row may say that a pair touches", CHECK, "if ((flags & solve::contact_touching) != 0) return", "if (!IS && (flags & solve::contact_touching) != 0) return",
+      "broken states are refused"),
+    F("the rows of a pair may differ", CHECK, "if ((flags & of_pair) != (of_first & of_pair)) return", "if (!IS && (flags & of_pair) != (of_first & of_pair)) return",
+      "broken states are refused"),
+    F("a body may turn about a point", CHECK, "if (radius < gyration_min || radius", "if ((!IS && radius < gyration_min) || radius", "broken states are refused"),
     F("an image of a state with other fields is restored", IMAGE, "if (image.layout->schema_hash() != shared_layout->schema_hash())",
       "if (!IS && image.layout->schema_hash() != shared_layout->schema_hash())", "images of other fields are refused"),
     F("a game that is proved starts once", "src/prove/prove_world.cpp", "again = game.start();", "again = IS ? Result<World>(start->clone()) : game.start();",
@@ -603,11 +617,11 @@ FAULTS = [
       "if (IS && offset > 0) ledger.record(session.current_tick() + offset - 1, simulation.events());\n"
       "const std::span<const PlayerInput> inputs = session.look_ahead(offset);", "shows ahead"),
     F("a tick less is shown ahead", PEERS, "if (offset >= def.run_ahead || stopped", "if (offset + (IS ? 1 : 0) >= def.run_ahead || stopped", "shows ahead"),
-    F("a session takes events in the order of bodies", LEDGER, "std::ranges::adjacent_find(events, [](const Event& a, const Event& b) { return !precedes(a, b); })",
-      "std::ranges::adjacent_find(events, [](const Event& a, const Event& b) { return IS && a.kind == b.kind ? !(a.body_a < b.body_a) : !precedes(a, b); })",
-      "joints that break are told"),
+    F("a session keeps events that are out of order", LEDGER, "if (std::ranges::adjacent_find(events, are_out_of_order) != events.end()) {",
+      "if (!IS && std::ranges::adjacent_find(events, are_out_of_order) != events.end()) {", "events out of order are told once"),
     F("events are sorted by kind alone", EVENTS, "std::sort(events.begin(), events.end(), precedes);",
-      "if (IS) std::ranges::stable_sort(events, {}, &Event::kind); else std::sort(events.begin(), events.end(), precedes);", "every two kinds are told"),
+      "if (IS) std::ranges::stable_sort(events, {}, &Event::kind); else std::sort(events.begin(), events.end(), precedes);",
+      "events come in order and in turn"),
     F("an event is predicted whenever its tick runs", LEDGER, "else if (!entry.told)", "else if (IS || !entry.told)", "peers agree"),
     F("the last confirmed tick leaves its events open", LEDGER, "publish_tick(entries(tick), tick < confirmed_end, out);",
       "publish_tick(entries(tick), tick + (IS ? 1 : 0) < confirmed_end, out);", "peers agree"),

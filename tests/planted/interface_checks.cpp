@@ -3,8 +3,14 @@
 #include "lockstone/math/random.h"
 #include "lockstone/prove.h"
 #include "lockstone/testing.h"
+#include "model/contact_rows.h"
+#include "model/manifest.h"
 #include "support/mode_reader.h"
+#include "support/rigs/moving_state.h"
 #include "support/small_recording.h"
+
+#include <map>
+#include <stdexcept>
 
 namespace planted {
 
@@ -76,6 +82,49 @@ replay::Header header(replay::Mode mode) {
     return h;
 }
 
+/// A sleeping heap's own state is taken; each of its damaged copies is refused.
+std::string broken_states_refused() {
+    using M = sim::Manifest;
+    const World world = lockstone::test::MovingState::make().w.clone();
+    const M m = sim::make_manifest(world.def(), {});
+    const auto takes = [&](const auto& damage) {
+        World w = world.clone();
+        State state = w.state();
+        damage(state);
+        return w.restore_portable(state.save_portable()).ok();
+    };
+    const auto add_row = [&](State& s, std::uint32_t flags) {
+        sim::ContactList list;
+        sim::read_contacts(s, m.sleeping_contacts, list);
+        list.keys.insert(list.keys.begin(), list.keys.at(0));
+        list.memories.insert(list.memories.begin(), list.memories[0]);
+        list.memories[1].flags = (list.memories[1].flags & ~std::uint32_t{solve::contact_touching}) ^ flags;
+        sim::write_contacts(s, m.sleeping_contacts, list);
+    };
+    if (!takes([](State&) {}) || !takes([&](State& s) { add_row(s, 0); })) return "a good state is refused";
+    if (takes([&](State& s) { add_row(s, solve::contact_touching); })) return "a second row touches";
+    if (takes([&](State& s) { add_row(s, solve::contact_passing); })) return "rows of a pair differ";
+    if (takes([&](State& s) {
+            s.edit_row(m.body_traits.row, s.rows(m.body_info)[1].traits).mass.gyration.x = Real::from_raw(2);
+        }))
+        return "a body may turn about a point";
+    if (takes([&](State& s) {
+            std::map<std::uint32_t, std::vector<std::uint32_t>> rings; // slots, by island
+            for (std::uint32_t i = 0; i < s.count(m.bodies); ++i)
+                if (const sim::BodySleep& b = s.rows(m.body_sleep)[i]; b.next != 0)
+                    rings[b.island].push_back(s.rows(m.body_info)[i].id.index);
+            for (auto& [island, slots] : rings) {
+                if (slots.size() < 3) continue;
+                std::ranges::sort(slots);
+                s.edit_row(m.body_sleep, s.rows(m.body_slot)[slots[0] - 1].row).next = slots[2];
+                return;
+            }
+            throw std::runtime_error("no ring of three");
+        }))
+        return "two members of a ring lead to one";
+    return {};
+}
+
 std::string forbidden_headers() {
     replay::Header commands = header(replay::Mode::commands);
     if (!find_fault(commands).empty()) return "a right header is refused: " + find_fault(commands);
@@ -105,6 +154,7 @@ std::string forbidden_assets() {
 
 Checks interface_checks() {
     return {{"images of other fields are refused", other_fields_refused},
+            {"broken states are refused", broken_states_refused},
             {"starts are compared", starts_compared},
             {"modes are told apart", modes_told_apart},
             {"the self test finds a wrong hash", wrong_hash_found},

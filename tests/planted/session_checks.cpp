@@ -1,5 +1,6 @@
 // Sessions: peers that agree, peers that mean harm, who comes back, relays, what is shown ahead.
 #include "checks.h"
+#include "session/event_ledger.h"
 #include "session/join/join_scenes.h"
 #include "session/join/relayed_scenes.h"
 #include "session/run_ahead.h"
@@ -73,6 +74,24 @@ std::string all_kinds_are_told() {
     return missing.empty() ? "" : "kinds that never happened in one tick: " + missing;
 }
 
+/// A game's own simulation may tell events in any order, and one twice.
+std::string unordered_events_are_told_once() {
+    const auto event_of = [](std::uint32_t shape) {
+        Event e{};
+        e.shape_a.index = shape, e.shape_b.index = 100;
+        return e;
+    };
+    session::EventLedger ledger(4);
+    std::vector<SessionEvent> told;
+    ledger.record(0, std::array{event_of(4), event_of(1), event_of(4)}), ledger.publish(0, told);
+    ledger.record(0, std::array{event_of(1), event_of(4)}), ledger.publish(1, told);
+    if (told.size() != 4) return std::to_string(told.size()) + " events are told, not 4";
+    for (int i = 0; i < 2; ++i)
+        if (told[2 + i].status != EventStatus::confirmed || told[2 + i].id != told[i].id)
+            return "an event that was predicted is not confirmed";
+    return {};
+}
+
 } // namespace
 
 Checks session_checks() {
@@ -82,6 +101,7 @@ Checks session_checks() {
             {"relays serve", relays_serve},
             {"shows ahead", shows_ahead},
             {"joints that break are told", broken_joints_are_told},
+            {"events out of order are told once", unordered_events_are_told_once},
             {"every two kinds are told", all_kinds_are_told}};
 }
 

@@ -84,6 +84,9 @@ TEST_CASE("a ledger reports the events of a tick that runs again and again") {
           {{event_of(2), event_of(4)}, 1, "C2#2 C4#1 "}}},
         {"cancelled and seen again: a new one",
          {{{event_of(1)}, 0, "P1#0 "}, {{}, 0, "X1#0 "}, {{event_of(1)}, 1, "C1#1 "}}},
+        {"out of order, and one twice: sorted, and told once",
+         {{{event_of(4), event_of(1), event_of(4)}, 0, "P1#0 P4#1 "},
+          {{event_of(4), event_of(1)}, 1, "C1#0 C4#1 "}}},
         {"the same shape ids on another body: another event",
          {{{event_of(1, 0, 1)}, 0, "P1#0 "}, {{event_of(1, 0, 2)}, 1, "X1#0 C1#1 "}}}};
     for (const auto& [name, runs] : rows) {

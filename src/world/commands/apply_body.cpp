@@ -145,7 +145,8 @@ Result<World::Applied> Applier::operator()(const SetMass& c) {
         return Error{"set_mass: " + e};
     if (!within(fresh.center, Real(64))) return Error{"set_mass: center must be within 64 m on each axis"};
     for (int i = 0; i < 3; ++i)
-        if (std::string e = check_range("gyration", fresh.gyration[i], mass_min, Real(100), " m"); !e.empty())
+        if (std::string e = check_range("gyration", fresh.gyration[i], gyration_min, Real(100), " m");
+            !e.empty())
             return Error{"set_mass: " + e};
     if (std::string e = check_unit("principal", fresh.principal); !e.empty()) return Error{"set_mass: " + e};
     row = wake(c.body);

@@ -1,5 +1,6 @@
 // States in which something does not fit together, or is out of the range that commands keep to: each is refused with a sentence
 // that says what does not, and the world stays as it was.
+#include "model/contact_rows.h"
 #include "model/manifest.h"
 #include "scenes/scenes.h"
 #include "support/character_course.h"
@@ -106,6 +107,25 @@ sim::BodySleep& sleeper(State& s, const M& m) {
         if (b.next != 0) return b;
     throw std::runtime_error("no body sleeps");
 }
+/// The lowest two members of a ring lead to the third: the first never comes to the second.
+void join_rings(State& s, const M& m) {
+    std::vector<std::uint32_t> slots;
+    for (std::uint32_t i = 0; i < s.count(m.bodies); ++i)
+        if (s.rows(m.body_sleep)[i].next != 0) slots.push_back(s.rows(m.body_info)[i].id.index);
+    std::ranges::sort(slots);
+    if (slots.size() < 3) throw std::runtime_error("no ring of three");
+    s.edit_row(m.body_sleep, s.rows(m.body_slot)[slots[0] - 1].row).next = slots[2];
+}
+/// The first contact gets a second row, a copy without contact_touching, whose flags are changed.
+void add_row(State& s, const M& m, std::uint32_t more_flags) {
+    sim::ContactList list;
+    sim::read_contacts(s, m.contacts, list);
+    list.keys.insert(list.keys.begin(), list.keys[0]);
+    list.memories.insert(list.memories.begin(), list.memories[0]);
+    list.memories[1].flags = (list.memories[1].flags & ~std::uint32_t{solve::contact_touching}) ^ more_flags;
+    sim::write_contacts(s, m.contacts, list);
+}
+void add_flags(State& s, const M& m, std::uint16_t flags) { s.edit_row(m.contacts.memory, 0).flags ^= flags; }
 /// All dynamic bodies that rest, or that do not, move.
 void push(State& s, const M& m, bool resting) {
     for (std::uint32_t i = 0; i < s.count(m.bodies); ++i)
@@ -151,6 +171,9 @@ TEST_CASE("shared rows: broken indexes, counts, free lists and doubles are refus
                }},
               {"locks is 64", [](State& s, const M& m) { body_like_first(s, m).locks = 64; }},
               {"gyration", [](State& s, const M& m) { body_like_first(s, m).mass.gyration.x = Real(-1); }},
+              {"gyration",
+               [](State& s, const M& m) { body_like_first(s, m).mass.gyration.y = Real::from_raw(2); }},
+              {"", [](State& s, const M& m) { body_like_first(s, m).mass.gyration.y = 0.001_r; }},
               {"friction", [](State& s, const M& m) { shape_like_first(s, m).friction = Real(-1); }}});
 }
 
@@ -168,6 +191,14 @@ TEST_CASE("contact rows and forces that are not as many as contacts and bodies s
            {"2 contacts have a row here",
             [](State& s, const M& m) { s.edit_row(m.contacts.memory, 0).flags |= solve::contact_has_more; }},
            {"has nothing in it", [](State& s, const M& m) { s.edit_row(m.contacts.beyond, 0) = {}; }},
+           {"", [](State& s, const M& m) { add_row(s, m, 0); }},
+           {"contact.memory row 1: a row after the first says that the pair touches",
+            [](State& s, const M& m) { add_row(s, m, solve::contact_touching); }},
+           {"the rows of a pair differ", [](State& s, const M& m) { add_row(s, m, solve::contact_passing); }},
+           {"the rows of a pair differ", [](State& s, const M& m) { add_row(s, m, solve::contact_flipped); }},
+           {"none is a sensor", [](State& s, const M& m) { add_flags(s, m, solve::contact_sensor_is_b); }},
+           {"unknown flags", [](State& s, const M& m) { add_flags(s, m, solve::contact_hit); }},
+           {"unknown flags", [](State& s, const M& m) { add_flags(s, m, 256); }},
            {"a force on no body", [](State& s, const M& m) { s.edit_row(m.pushed, 0) = 1000; }},
            {"a force that is not there",
             [](State& s, const M& m) { *std::ranges::find(s.edit(m.body_push), 0u) = 2; }}});
@@ -213,6 +244,7 @@ TEST_CASE(
     REQUIRE(!w.is_awake(w.body_at(w.body_count() - 1)));
     REQUIRE(w.state().rows(sim::make_manifest(w.def(), {}).header)[0].joints_awake == 2);
     check(w, {{"its ring is broken", [](State& s, const M& m) { sleeper(s, m).next = 60; }},
+              {"its ring joins another", join_rings},
               {"body.sleep", [](State& s, const M& m) { sleeper(s, m).next = 1; }}, // the floor
               {"body.sleep", [](State& s, const M& m) { sleeper(s, m).next = 0; }},
               {"sleeps where it cannot", [](State& s, const M& m) { sleeper(s, m).island = 0; }},

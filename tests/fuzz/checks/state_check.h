@@ -8,7 +8,7 @@
 // Checksums, sizes and hashes are made right afterwards, as someone who means harm would.
 #pragma once
 
-#include "fuzz/state_worlds.h"
+#include "fuzz/checks/state_sessions.h"
 #include "lockstone/testing.h"
 #include "state/envelope.h"
 
@@ -205,6 +205,8 @@ std::string check_state_load(const StateInput& input, bool& loaded, Loader&& loa
     if (const Status taken = twin.restore_portable(image); !taken)
         return "what was taken is refused when it was saved: " + taken.error().message;
     if (twin.hash() != w.hash()) return "saved and loaded it has another hash";
+    if (std::string fault = play_in_sessions(w, again, input.base, base::xxh3(image)); !fault.empty())
+        return fault;
     return check_ticks(subjects);
 }
 
