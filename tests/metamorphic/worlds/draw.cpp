@@ -16,16 +16,16 @@ void Drawer::choose_size() {
         high = std::min(2 * high, most.bodies_most);
     bodies = least + v.below(high);
     bodies = std::min(bodies, most.bodies_most);
-    // A few are so large that each worker has islands of its own, and that packs do not stay in a cache.
-    if (most.has_large && v.chance(60)) bodies = 1500 + v.below(3500);
     arrangement = static_cast<Arrangement>(v.below(static_cast<std::uint32_t>(Arrangement::count_)));
+    tower = 1 + static_cast<std::int32_t>(v.below(6));
+    if (v.chance(8)) drivers_of = 3;
+    apply_theme();
     const std::uint32_t longest = v.chance(4) ? 120 : 40;
     story.ticks = std::clamp(most.work / bodies, 5u, longest);
     activity = v.below(4);
-    tower = 1 + static_cast<std::int32_t>(v.below(6));
-    if (v.chance(8)) drivers_of = 3;
+    if (theme == Theme::islands && v.chance(2)) activity = 0; // commands make contacts bounce or roll
     // All overlap with all: that is slow.
-    if (arrangement == Arrangement::crowd) bodies = std::min(bodies, 150u);
+    if (arrangement == Arrangement::crowd && theme != Theme::crowd) bodies = std::min(bodies, 150u);
     // The side of a square that `bodies` fill in one layer of a metre, or in several.
     std::uint32_t root = 1;
     while (root * root < bodies) ++root;
@@ -36,23 +36,56 @@ void Drawer::choose_size() {
     side = Real(static_cast<std::int32_t>(root)) * layers + 1.5_r;
 }
 
+void Drawer::apply_theme() {
+    switch (theme) {
+    case Theme::mixed:
+        bodies = 1500 + v.below(3500);
+        break;
+    case Theme::islands:
+        arrangement = Arrangement::towers, tower = 2 + static_cast<std::int32_t>(v.below(5));
+        bodies = 2500 + v.below(2500);
+        break;
+    case Theme::net:
+        arrangement = Arrangement::net;
+        bodies = 500 + v.below(500);
+        break;
+    case Theme::crowd:
+        arrangement = Arrangement::crowd;
+        bodies = 150 + v.below(60);
+        break;
+    case Theme::driven:
+        bodies = 200 + v.below(400), drivers_of = 3;
+        break;
+    default:
+        break;
+    }
+}
+
+/// Some passes are one run only where contacts alone change velocities.
+void Drawer::keep_contacts_alone() {
+    for (const Feature f :
+         {Feature::joints, Feature::vehicles, Feature::characters, Feature::ragdolls, Feature::fields,
+          Feature::fluids, Feature::bounces, Feature::rolls, Feature::locks, Feature::wild, Feature::far_away,
+          Feature::integrators, Feature::no_gyroscope})
+        drop(f);
+}
+
 void Drawer::choose_features() {
+    if (most.has_large && v.chance(16))
+        theme = static_cast<Theme>(1 + v.below(static_cast<std::uint32_t>(Theme::count_) - 1));
     const std::uint32_t of = 2u << v.below(3); // some worlds have half of all features, some an eighth
     for (std::uint32_t f = 0; f < feature_count; ++f)
         if (v.chance(of)) story.add(static_cast<Feature>(f));
-    const auto drop = [&](Feature f) {
-        story.features &= ~(std::uint64_t{1} << static_cast<std::uint32_t>(f));
-    };
-    // Some passes are one run only where contacts alone change velocities.
-    if (v.chance(4))
-        for (const Feature f :
-             {Feature::joints, Feature::vehicles, Feature::characters, Feature::ragdolls, Feature::fields,
-              Feature::fluids, Feature::bounces, Feature::rolls, Feature::locks, Feature::wild,
-              Feature::far_away, Feature::integrators, Feature::no_gyroscope})
-            drop(f);
+    if (v.chance(4) || theme == Theme::islands) keep_contacts_alone();
     // These change a world as a whole, so that fewer worlds have them.
-    if (!v.chance(4)) drop(Feature::wild);
+    if (!v.chance(4) || theme != Theme::none) drop(Feature::wild);
+    if (theme != Theme::none) drop(Feature::far_away);
+    // A thousand bullets in a pile take seconds a tick.
+    if (theme == Theme::mixed || theme == Theme::islands) drop(Feature::bullets);
     if (!v.chance(3)) drop(Feature::drops_contacts);
+    if (theme == Theme::net) story.add(Feature::joints), drop(Feature::joints_break);
+    if (theme == Theme::crowd) story.add(Feature::drops_contacts), drop(Feature::groups);
+    if (theme == Theme::driven) story.add(Feature::kinematic), story.add(Feature::bullets);
     if (!has(Feature::joints))
         for (const Feature f : {Feature::joint_springs, Feature::joint_limits, Feature::joint_motors,
                                 Feature::joint_friction, Feature::joints_break, Feature::loops_of_joints})
@@ -79,7 +112,7 @@ WorldDef Drawer::world_def(std::uint64_t seed) {
     d.seed = seed;
     d.bodies_max = d.shapes_max = 1 << 16;
     d.joints_max = 1 << 14;
-    d.contacts_max = has(Feature::drops_contacts) ? 1 + v.below(2 * bodies) : 0;
+    d.contacts_max = has(Feature::drops_contacts) ? 1 + v.below(theme == Theme::crowd ? 60 : 2 * bodies) : 0;
     d.fields_max = 8, d.characters_max = 64, d.vehicles_max = 64, d.pair_filters_max = 4096;
     return d;
 }
@@ -107,6 +140,13 @@ Vec3 Drawer::place(std::uint32_t number) {
         return {x, 0.5_r + Real(n) / area * half(0.7_r), z};
     }
     case Arrangement::towers: {
+        // Four columns that touch are one tower in a world of islands: enough contacts for packs beyond a cache.
+        if (theme == Theme::islands) {
+            const std::int32_t block = n / (4 * tower), wide = 32;
+            return {Real(block % wide) * 2.2_r + Real(n % 2) * 0.8_r - Real(35),
+                    0.4_r + Real(n / 4 % tower) * 0.8_r,
+                    Real(block / wide) * 2.2_r + Real(n / 2 % 2) * 0.8_r - Real(10)};
+        }
         const std::int32_t high = tower, column = n / high;
         const std::int32_t row = std::max<std::int32_t>(1, static_cast<std::int32_t>(side.raw >> 32));
         const Real x = Real(column % row) * 1.3_r - half(side), z = Real(column / row) * 1.3_r - half(side);

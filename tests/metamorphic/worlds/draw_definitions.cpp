@@ -15,6 +15,7 @@ Geometry Drawer::of_asset(ShapeKind kind) {
 }
 
 Geometry Drawer::solid() {
+    if (is_stacked()) return box(0.4_r, 0.4_r, 0.4_r);
     if (is_now(Feature::hulls, 2)) return of_asset(ShapeKind::hull);
     if (is_now(Feature::compounds, 3)) return of_asset(ShapeKind::compound);
     const Real a = range(0.1_r, 0.45_r), b = range(0.1_r, 0.45_r), c = range(0.1_r, 0.45_r);
@@ -48,9 +49,9 @@ BodyDef Drawer::body_def(Vec3 at) {
         return d;
     }
     d.pose.position = at;
-    if (v.chance(3)) d.pose.rotation = v.turn();
-    if (v.chance(4)) d.linear_velocity = vector(Real(6));
-    if (v.chance(6)) d.angular_velocity = vector(Real(8));
+    if (v.chance(3) && !is_stacked()) d.pose.rotation = v.turn();
+    if (v.chance(4) && !is_stacked()) d.linear_velocity = vector(Real(6));
+    if (v.chance(6) && !is_stacked()) d.angular_velocity = vector(Real(8));
     if (is_now(Feature::kinematic, drivers_of)) {
         d.kind = BodyKind::kinematic;
         d.linear_velocity = vector(Real(1)), d.angular_velocity = vector(Real(2));
@@ -63,6 +64,8 @@ BodyDef Drawer::body_def(Vec3 at) {
         d.linear_damping = range(Real{}, Real(3)), d.angular_damping = range(Real{}, Real(3));
     if (is_now(Feature::gravity_scales, 4)) d.gravity_scale = range(Real(-1), Real(2));
     if (is_now(Feature::masses, 4)) d.mass = range(0.1_r, Real(200));
+    // Far beyond what a factor of a tree of joints has bits for.
+    if (is_now(Feature::masses, 16)) d.mass = v.chance(2) ? 0.001_r : Real(1000000000);
     if (is_now(Feature::fields, 8)) d.enable_fields = 0;
     if (is_now(Feature::fluids, 4)) d.drag_scale = range(Real{}, Real(3));
     if (is_now(Feature::starts_asleep, 2) && d.kind == BodyKind::dynamic)

@@ -22,6 +22,17 @@ enum class Arrangement : std::uint32_t {
     count_,
 };
 
+/// One way in which a world is large. Each takes execution paths that smaller worlds do not take.
+enum class Theme : std::uint32_t {
+    none,  ///< an ordinary size
+    mixed, ///< thousands of bodies with any features
+    islands, ///< thousands of bodies in towers: contacts alone change velocities, so islands do all passes at once
+    net,    ///< hundreds of joints that are one island
+    crowd,  ///< more pairs than the table of contacts has room for
+    driven, ///< dozens of kinematic bodies, and bodies that are fast
+    count_,
+};
+
 class Drawer final : Journal {
   public:
     Drawer(std::uint64_t seed, const Extent& extent) : v(seed), most(extent), world(start(seed)) {
@@ -39,8 +50,13 @@ class Drawer final : Journal {
     World start(std::uint64_t seed);
     void choose_size();
     void choose_features();
+    void keep_contacts_alone();
+    void apply_theme();
     WorldDef world_def(std::uint64_t seed);
     bool has(Feature f) const { return story.has(f); }
+    void drop(Feature f) { story.features &= ~(std::uint64_t{1} << static_cast<std::uint32_t>(f)); }
+    /// Boxes of one size that lie on each other from the first tick on.
+    bool is_stacked() const { return theme == Theme::islands; }
     /// True in one of `of` calls, in a world that has the feature.
     bool is_now(Feature f, std::uint32_t of) { return has(f) && v.chance(of); }
 
@@ -97,6 +113,7 @@ class Drawer final : Journal {
     Extent most;
     std::uint32_t bodies = 0, activity = 0;
     Arrangement arrangement{};
+    Theme theme = Theme::none;
     Vec3 center{};
     Real side{};                   ///< half of the width of what the bodies fill [m]
     std::int32_t tower = 1;        ///< bodies in a tower
