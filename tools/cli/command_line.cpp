@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <new>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -212,9 +213,13 @@ int run_command_line(int argc, char** argv) {
                                      ? " (lockstone " + std::string(argv[1]) + " --help lists its options)"
                                      : std::string(" (lockstone --help lists the commands)")));
     }
-    const Result<Exit> result = work();
-    if (!result) return report_bad_input(result.error().message);
-    return after_output(static_cast<int>(*result));
+    try {
+        const Result<Exit> result = work();
+        if (!result) return report_bad_input(result.error().message);
+        return after_output(static_cast<int>(*result));
+    } catch (const std::bad_alloc&) {
+        return report_bad_input("there is not enough memory for this command");
+    }
 }
 
 } // namespace lockstone::cli

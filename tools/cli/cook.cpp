@@ -3,11 +3,14 @@
 #include "cli/commands.h"
 #include "cli/text.h"
 #include "cook/import.h"
+#include "cook/memory_limit.h"
 #include "scenes/asset_set.h"
 #include "json/json.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <new>
+#include <stdexcept>
 
 namespace lockstone::cli {
 namespace {
@@ -16,8 +19,11 @@ struct Args {
     std::string model, asset, as = "hull";
     cook::CookOptions options;
     cook::ImportLimits limits;
+    std::uint64_t memory_mb = 1024;
     bool json = false;
 };
+
+constexpr std::size_t longest_name = 4000; // characters of a name that are printed
 
 const std::map<std::string, cook::Wanted> kinds{{"hull", cook::Wanted::hull},
                                                 {"convex", cook::Wanted::convex},
@@ -46,6 +52,8 @@ void describe(CLI::App& command, Args& args) {
              "height-field: between samples [m]; default: as coarse as the deviation allows", 1e-4, 1e3);
     add_number(command, "--seconds", args.limits.seconds, "give up on a model that takes longer to read", 1,
                86400);
+    add_number(command, "--memory", args.memory_mb, "[MB] that the whole command may take at most", 64,
+               1u << 24);
     add_flag(command, "--z-up", args.options.z_up, "the model's z axis points up");
     add_flag(command, "--json", args.json, "for programs");
 }
@@ -78,8 +86,8 @@ void print(const Args& args, const cook::Cooked& made) {
         std::printf("%s\n", report_of(args, made).dump(2).c_str());
         return;
     }
-    std::printf("%s: %s %s, %zu vertices, %zu triangles", args.asset.c_str(), name_of(made.kind),
-                hash_text(made.id.value).c_str(), made.vertices, made.triangles);
+    std::printf("%s: %s %s, %zu vertices, %zu triangles", shown(args.asset, longest_name).c_str(),
+                name_of(made.kind), hash_text(made.id.value).c_str(), made.vertices, made.triangles);
     if (made.parts > 0) std::printf(", %zu %s", made.parts, made.parts == 1 ? "part" : "parts");
     std::printf(", %zu bytes\ndeviation %.3g m of %.3g m allowed\n", made.bytes(), made.deviation,
                 made.deviation_max);
@@ -105,18 +113,36 @@ Status write_and_read(const std::string& path, const cook::Cooked& made) {
     return *id == made.id ? Status{} : Error{path + ": what was written is not what is read"};
 }
 
-Result<Exit> run(const Args& args) {
-    if (Status s = check_outputs({args.asset}, {args.model}); !s) return s.error();
+/// Reads the model and makes the asset within a limit of memory.
+Result<cook::Cooked> cook_within(const Args& args) {
     cook::CookOptions options = args.options;
     options.as = kinds.at(args.as);
-    const Result<cook::Soup> model = cook::import_model(args.model, args.limits);
-    if (!model) return model.error();
-    const Result<cook::Cooked> made = cook::cook(*model, options);
-    if (!made) return Error{args.model + ": as " + args.as + ": " + made.error().message};
+    const cook::MemoryLimit limit(args.memory_mb << 20);
+    cook::ImportLimits limits = args.limits;
+    limits.memory = limit.address_space();
+    const auto refused = [&] {
+        return Error{args.model + ": needs more than " + std::to_string(args.memory_mb) +
+                     " MB of memory (--memory allows more)"};
+    };
+    try {
+        const Result<cook::Soup> model = cook::import_model(args.model, limits);
+        if (!model) return model.error();
+        Result<cook::Cooked> made = cook::cook(*model, options);
+        if (!made) return Error{args.model + ": as " + args.as + ": " + made.error().message};
+        return made;
+    } catch (const std::bad_alloc&) { return refused(); } catch (const std::length_error&) {
+        return refused();
+    }
+}
+
+Result<Exit> run(const Args& args) {
+    if (Status s = check_outputs({args.asset}, {args.model}); !s) return s.error();
+    const Result<cook::Cooked> made = cook_within(args);
+    if (!made) return made.error();
     if (!made->good()) {
         print(args, *made);
         std::fprintf(stderr, "lockstone: %s: deviates by %g m, %g m are allowed; nothing was written\n",
-                     args.model.c_str(), made->deviation, made->deviation_max);
+                     shown(args.model, longest_name).c_str(), made->deviation, made->deviation_max);
         return Exit::check_failed;
     }
     if (Status s = write_and_read(args.asset, *made); !s) return s.error();

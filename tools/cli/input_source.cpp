@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 
 namespace lockstone::cli {
@@ -79,13 +81,23 @@ InputSource InputSource::scripted(const Game& game, std::uint64_t seed) {
     return source;
 }
 
+/// A pipe or a device is none: a recording is read more than once.
+static bool is_recording(const std::string& path) {
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(path, none)) return false;
+    std::ifstream file(path, std::ios::binary);
+    char magic[4] = {};
+    return file.read(magic, sizeof magic) && std::string_view(magic, sizeof magic) == "\x89LSR";
+}
+
 InputSource InputSource::idle(const Game& game) { return InputSource(game); }
 
 Result<InputSource> InputSource::open(const Game& game, const std::string& path) {
-    Result<std::string> text = read_file(path);
-    if (!text) return text.error();
     InputSource source(game);
-    if (!text->starts_with("\x89LSR")) {
+    if (!is_recording(path)) {
+        constexpr std::size_t longest = std::size_t{64} << 20; // of hundreds of hours of key presses
+        Result<std::string> text = read_file(path, longest);
+        if (!text) return text.error();
         auto held = parse_inputs(*text, path, game.player_count(), game.input_size());
         if (!held) return held.error();
         source.held = std::move(*held);

@@ -1,5 +1,7 @@
 #include "cli/progress.h"
 
+#include "cli/text.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <utility>
@@ -9,7 +11,7 @@
 namespace lockstone::cli {
 
 Progress::Progress(std::string what, std::uint64_t all)
-    : label(std::move(what)), total(all), on(isatty(2) == 1) {}
+    : label(cli::shown(what)), total(all), on(isatty(2) == 1) {}
 
 Progress::~Progress() { wipe(); }
 

@@ -51,6 +51,12 @@ std::string shown(std::string_view text, std::size_t most) {
     return text.empty() ? out : out + "...";
 }
 
+void print_line(std::string_view text) { std::printf("%s\n", shown(text, std::string_view::npos).c_str()); }
+
+void print_notice(std::string_view sentence) {
+    std::fprintf(stderr, "lockstone: %s\n", shown(sentence, std::string_view::npos).c_str());
+}
+
 std::string half_hash_text(std::uint32_t lower_half) { return hash_text(lower_half).substr(8); }
 
 Status write_file(const std::string& path, const std::string& text) {
@@ -62,13 +68,14 @@ Status write_file(const std::string& path, const std::string& text) {
     return {};
 }
 
-Result<std::string> read_file(const std::string& path) {
+Result<std::string> read_file(const std::string& path, std::size_t most) {
     errno = 0;
     std::ifstream file(path, std::ios::binary);
     std::string text;
     char chunk[4096];
-    while (file.read(chunk, sizeof chunk), file.gcount() > 0)
+    while (text.size() <= most && (file.read(chunk, sizeof chunk), file.gcount() > 0))
         text.append(chunk, static_cast<std::size_t>(file.gcount()));
+    if (text.size() > most) return Error{path + ": holds more than " + std::to_string(most) + " bytes"};
     if (!file.is_open() || file.bad()) return Error{path + ": cannot read: " + std::strerror(errno)};
     return text;
 }

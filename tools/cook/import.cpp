@@ -68,6 +68,8 @@ bool send_all(int pipe, const void* data, std::size_t size) {
         else
             sentence = read.error().message;
     } catch (const std::exception& error) { sentence = error.what(); }
+    if (sentence.find("bad_alloc") != std::string::npos) // assimp catches it, and passes its name on
+        sentence = "the importer needs more memory than the limit (--memory allows more)";
     if (soup.triangles.empty() && sentence.empty()) sentence = "the importer gave no reason";
     sentence.resize(std::min<std::size_t>(sentence.size(), text_max));
     header.text = sentence.size();
@@ -145,7 +147,8 @@ std::string reason_of(const Reader& reader, int status, const ImportLimits& limi
     if (reader.late) return "the importer took longer than " + std::to_string(limits.seconds) + " s";
     if (!reader.ended || !WIFSIGNALED(status)) return "the importer sent nothing that can be read";
     const int signal = WTERMSIG(status);
-    if (signal == SIGXCPU || signal == SIGKILL) return "the importer took too much time or memory";
+    if (signal == SIGXCPU || signal == SIGKILL)
+        return "the importer took too much time or memory (--seconds and --memory allow more)";
     return std::string("the importer crashed (") + strsignal(signal) + ")";
 }
 

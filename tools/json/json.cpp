@@ -153,7 +153,8 @@ const std::string& Value::as_text() const {
 }
 
 std::string Value::dump(int indent) const {
-    return Writer::other(*this).dump(indent, ' ', false, Writer::Other::error_handler_t::replace);
+    // ASCII alone, so that no control character of a name reaches a terminal.
+    return Writer::other(*this).dump(indent, ' ', true, Writer::Other::error_handler_t::replace);
 }
 
 } // namespace lockstone::json

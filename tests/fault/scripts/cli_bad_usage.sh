@@ -115,6 +115,42 @@ keeps 'missing.txt' run rollback-arena --ticks 3 --input missing.txt --record pr
 keeps 'nowhere/x.tsv' replay r.lsr --hashes nowhere/x.tsv
 [ ! -e new.lsr ] || fail "what is refused has made a file"
 
+# Names of files reach the terminal without control characters, and so does what files hold.
+is_plain() { # FILE...: UTF-8 without controls
+    python3 - "$@" <<'PYTHON'
+import sys
+text = "".join(open(name, "rb").read().decode() for name in sys.argv[1:])
+sys.exit(any(ord(c) < 32 or 127 <= ord(c) < 160 for c in text if c != "\n"))
+PYTHON
+}
+for raw in '\033[31m' '\302\233' '\177'; do
+    # shellcheck disable=SC2059
+    printf "$raw" >planted
+    ! is_plain planted || fail "the check does not find $raw"
+done
+odd=$'odd\033[31m\302\23331m\377\nend.lsr'
+cp s.lsr "$odd"
+head -c $(($(stat -c %s s.lsr) - 200)) s.lsr >"cut$odd"
+shows() { # STATUS ARGUMENT...
+    expect "$@"
+    [ -s out ] || [ -s err ] || fail "'lockstone ${*:2}' prints nothing"
+    is_plain out err || fail "'lockstone ${*:2}' prints control characters"
+}
+shows 0 info "$odd"
+shows 0 info --json "$odd"
+shows 0 info "cut$odd"
+shows 0 verify "$odd"
+shows 0 verify --json "$odd"
+shows 2 verify "cut$odd"
+shows 0 replay "$odd"
+shows 0 diff "$odd" s.lsr
+shows 0 branch "$odd" --at 5 -o "branch$odd"
+shows 0 repair "cut$odd" -o "whole$odd"
+shows 2 replay "none$odd"
+[ "$(wc -l <err)" -eq 1 ] || fail "an error takes $(wc -l <err) lines: $(cat err)"
+
+refused '/dev/zero: holds more than 67108864 bytes' run rollback-arena --ticks 3 --input /dev/zero
+
 refused '--shard' verify s.lsr --shard 3/3
 refused '--shard' verify s.lsr --shard all
 for shard in 0/-1 0/4294967297 -1/2 4294967296/4294967297 0/ /1 0/0 0/1/1 '0 /1'; do refused '--shard' verify s.lsr --shard="$shard"; done

@@ -9,7 +9,8 @@
 namespace lockstone::cli {
 
 Result<NetKey> key_in(const std::string& file) {
-    Result<std::string> text = read_file(file);
+    constexpr std::size_t longest = 4096; // a key and its line end are shorter
+    Result<std::string> text = read_file(file, longest);
     if (!text) return text.error();
     while (!text->empty() && text->back() == '\n') text->pop_back();
     Result<NetKey> key = parse_key(*text);

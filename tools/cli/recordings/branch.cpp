@@ -5,7 +5,6 @@
 #include "cli/recordings/recording_choice.h"
 #include "cli/text.h"
 
-#include <cstdio>
 #include <optional>
 
 namespace lockstone::cli {
@@ -106,9 +105,8 @@ Result<Exit> branch(const Args& args) {
     const Result<World> world = *source ? branch_with_inputs(args, *loaded, **source, sink, interrupt)
                                         : branch_without_game(args, *loaded, sink, interrupt);
     if (!world) return world.error();
-    std::printf("%s: ticks to %llu from %s, to %llu its own, hash %s\n", args.out.c_str(),
-                static_cast<unsigned long long>(args.at), args.file.c_str(),
-                static_cast<unsigned long long>(world->tick_count()), hash_text(world->hash()).c_str());
+    print_line(args.out + ": ticks to " + std::to_string(args.at) + " from " + args.file + ", to " +
+               std::to_string(world->tick_count()) + " its own, hash " + hash_text(world->hash()));
     interrupt.follow();
     return Exit::good;
 }

@@ -1,8 +1,9 @@
 // lockstone diff
 #include "replay/diff.h"
 #include "cli/recordings/recording_choice.h"
+#include "cli/text.h"
 
-#include <cstdio>
+#include <sstream>
 
 namespace lockstone::cli {
 namespace {
@@ -26,7 +27,8 @@ Result<Exit> compare(const Args& args) {
     const Result<replay::DiffReport> report =
         replay::diff({left->recording, left->game.get()}, {right->recording, right->game.get()});
     if (!report) return report.error();
-    std::printf("%s%s", report->text.c_str(), report->text.ends_with('\n') ? "" : "\n");
+    std::istringstream lines(report->text);
+    for (std::string line; std::getline(lines, line);) print_line(line);
     return report->states_agree && !report->input_tick ? Exit::good : Exit::check_failed;
 }
 

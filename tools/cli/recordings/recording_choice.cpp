@@ -1,8 +1,7 @@
 #include "cli/recordings/recording_choice.h"
 
+#include "cli/text.h"
 #include "replay/sink.h"
-
-#include <cstdio>
 
 namespace lockstone::cli {
 
@@ -17,9 +16,9 @@ Result<replay::Recording> open_recording(const std::string& path, const replay::
     Result<replay::Recording> recording =
         replay::Recording::open(path, replay::OnDamage::recover_cut, limits);
     if (recording && !recording->complete())
-        std::fprintf(stderr, "lockstone: %s%s\n", recording->damage().c_str(),
-                     replay::is_being_written(path) ? "; it is being written"
-                                                    : " (lockstone repair makes it complete)");
+        print_notice(recording->damage() + (replay::is_being_written(path)
+                                                ? "; it is being written"
+                                                : " (lockstone repair makes it complete)"));
     return recording;
 }
 

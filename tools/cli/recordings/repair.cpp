@@ -3,7 +3,7 @@
 #include "cli/text.h"
 #include "replay/branch.h"
 
-#include <cstdio>
+#include <string>
 
 namespace lockstone::cli {
 namespace {
@@ -28,9 +28,9 @@ Result<Exit> repair(const Args& args) {
     Result<replay::FileSink> sink = replay::FileSink::create(args.out);
     if (!sink) return sink.error();
     if (Status s = replay::repair(*recording, *sink); !s) return s.error();
-    std::printf("%s\n%s: complete, ticks %llu to %llu\n", recording->damage().c_str(), args.out.c_str(),
-                static_cast<unsigned long long>(recording->start_tick()),
-                static_cast<unsigned long long>(recording->end_tick()));
+    print_line(recording->damage());
+    print_line(args.out + ": complete, ticks " + std::to_string(recording->start_tick()) + " to " +
+               std::to_string(recording->end_tick()));
     return Exit::good;
 }
 

@@ -41,9 +41,8 @@ Result<Range> range_of(const ReplayArgs& args, const replay::Recording& recordin
 }
 
 Exit parted(const std::string& file, std::uint64_t tick, const World& world, std::uint64_t recorded) {
-    std::printf("%s: parts from the recording at tick %llu: hash %s against %s\n", file.c_str(),
-                static_cast<unsigned long long>(tick), hash_text(world.hash()).c_str(),
-                hash_text(recorded).c_str());
+    print_line(file + ": parts from the recording at tick " + std::to_string(tick) + ": hash " +
+               hash_text(world.hash()) + " against " + hash_text(recorded));
     return Exit::check_failed;
 }
 
@@ -72,15 +71,13 @@ Result<Exit> play(const ReplayArgs& args) {
     }
     if (!args.hashes.empty())
         if (Status s = write_file(args.hashes, hashes); !s) return s.error();
-    const auto from = static_cast<unsigned long long>(range->from),
-               to = static_cast<unsigned long long>(range->to);
     const std::string hash = hash_text(player->world().hash());
-    if (from == to)
-        std::printf("%s: no tick was asked for; the state at time %llu has the recorded hash, %s\n",
-                    args.file.c_str(), to, hash.c_str());
+    if (range->from == range->to)
+        print_line(args.file + ": no tick was asked for; the state at time " + std::to_string(range->to) +
+                   " has the recorded hash, " + hash);
     else
-        std::printf("%s: ticks %llu to %llu are bit-exact, hash %s\n", args.file.c_str(), from, to,
-                    hash.c_str());
+        print_line(args.file + ": ticks " + std::to_string(range->from) + " to " + std::to_string(range->to) +
+                   " are bit-exact, hash " + hash);
     return Exit::good;
 }
 
@@ -132,7 +129,8 @@ Result<Exit> inform(const InfoArgs& args) {
         return Exit::good;
     }
     for (const auto& [key, value] : facts.members())
-        std::printf("%-12s %s\n", key.c_str(), (value.is_text() ? value.as_text() : value.dump()).c_str());
+        print_line(key + std::string(key.size() < 12 ? 12 - key.size() : 0, ' ') + ' ' +
+                   (value.is_text() ? value.as_text() : value.dump()));
     return Exit::good;
 }
 

@@ -105,9 +105,9 @@ Result<Exit> verify_all(const Args& args) {
         const Exit exit = exit_of(report.verdict);
         worst = std::max(worst, exit);
         if (exit == Exit::bad_input)
-            std::fprintf(stderr, "lockstone: %s\n", report.sentence.c_str());
+            print_notice(report.sentence);
         else if (!args.json)
-            std::printf("%s\n", report.sentence.c_str());
+            print_line(report.sentence);
         all.push_back(to_json(file, report));
     }
     if (args.json) std::printf("%s\n", all.dump(2).c_str());
