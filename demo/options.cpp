@@ -69,14 +69,17 @@ void add_options(CLI::App& app, Options& options) {
         ->check(CLI::Range(0, 60));
     app.add_flag("--host", options.host,
                  "open a match over UDP, and print what others have to start to join it");
-    app.add_option("--join", options.join, "enter a match by the host's CODE@ADDRESS:PORT#KEY");
-    app.add_option("--watch", options.watch,
-                   "watch a match by the CODE@ADDRESS:PORT#KEY that its host shows");
+    const CLI::Validator given([](const std::string& text) { return text.empty() ? "nothing is given" : ""; },
+                               "");
+    app.add_option("--join", options.join, "enter a match by the host's CODE@ADDRESS:PORT#KEY")->check(given);
+    app.add_option("--watch", options.watch, "watch a match by the CODE@ADDRESS:PORT#KEY that its host shows")
+        ->check(given);
     app.add_option("--machines", options.machines,
                    "of --host: how many play, default 2; bots have the other players")
         ->check(CLI::Range(2, 4));
     app.add_option("--relay", options.relay,
-                   "of --host: ADDRESS:PORT#KEY of a `lockstone relay`; default: the host starts one");
+                   "of --host: ADDRESS:PORT#KEY of a `lockstone relay`; default: the host starts one")
+        ->check(given);
     app.add_option("--port", options.port, "of the relay that --host starts [UDP port], default any")
         ->check(CLI::Range(0, 65535));
     app.add_option("--plant", options.plant,

@@ -205,6 +205,9 @@ class Endpoint {
 
 struct RelayDef {
     std::uint32_t matches_max = 1024;
+    /// Matches whose first player came from one address (IPv6: one /64), and from one network (IPv4: /24, IPv6: /48). The last quarter of
+    /// matches_max is kept for addresses that have opened none.
+    std::uint32_t matches_per_source = 64, matches_per_network = 256;
     std::uint32_t packets_per_second = 2000;  ///< of each player, to all others
     std::uint32_t bytes_per_second = 200'000; ///< of each player
     std::uint32_t hellos_per_source = 16;     ///< answered a second, of an address (IPv6: of its /64)
@@ -212,8 +215,11 @@ struct RelayDef {
     std::uint32_t opens_per_second = 2000;    ///< passes and lobby requests read a second
     std::uint32_t idle_ms = 30'000;           ///< after which a silent player is forgotten
     std::uint32_t rooms_max = 1024;           ///< of the lobby
-    std::uint32_t rooms_per_source = 16;      ///< opened from an address (IPv6: from its /64) and still good
-    std::uint32_t room_ms = 300'000;          ///< how long a code is good
+    /// Rooms opened from one address and from one network, as for matches, and still good. The last quarter of rooms_max is kept
+    /// for addresses that have opened none.
+    std::uint32_t rooms_per_source = 16, rooms_per_network = 64;
+    std::uint32_t room_ms = 300'000;          ///< how long a code is good at most
+    std::uint32_t room_idle_ms = 30'000;      ///< after which a room closes whose members send no requests
     std::uint32_t match_ms = 4 * 3600 * 1000; ///< how long a token and a pass that the lobby makes are good
     /// The relay that the lobby names as the second in every token, and its secret, which makes passes; no port: none.
     NetAddress second = {};
@@ -263,6 +269,9 @@ class LobbyClient {
     const std::string& code() const; ///< empty until the room is there
     /// When all are there. The secret in it was made here and is known to nobody else.
     const std::optional<ConnectToken>& token() const;
+    /// The time of the lobby's last answer that its key opened [ms], as receive() was given it; 0 before the first. A lobby that lives answers
+    /// twice a second while players wait.
+    std::uint64_t answered_ms() const;
     /// A sentence when the lobby has refused: no such code, the room is full, the lobby is full, no place to watch is free.
     const std::string& refusal() const;
 

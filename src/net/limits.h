@@ -28,6 +28,30 @@ class Bucket {
 
 /// The bytes that identify a sender: the address without its port; of IPv6 the first 64 bits, since a sender owns all addresses that begin with them.
 Bytes source_of(const NetAddress& address);
+/// The bytes that identify a sender's network: the first 24 bits of IPv4, the first 48 of IPv6.
+Bytes network_of(const NetAddress& address);
+
+/// How many entries of one table a source and its network may have.
+struct Quota {
+    std::uint32_t all, per_source, per_network;
+};
+/// The entries that a table has now: in all, of a source, of its network.
+struct Taken {
+    std::uint64_t all = 0, of_source = 0, of_network = 0;
+};
+/// Counts the entries of a table whose opener, `opener_of(entry)`, is in the source and in the network of `from`.
+template <class Table, class OpenerOf>
+Taken count_taken(const Table& table, const NetAddress& from, const OpenerOf& opener_of) {
+    Taken taken{table.size()};
+    for (const auto& entry : table) {
+        const NetAddress& opener = opener_of(entry);
+        taken.of_source += std::ranges::equal(source_of(opener), source_of(from)) ? 1u : 0u;
+        taken.of_network += std::ranges::equal(network_of(opener), network_of(from)) ? 1u : 0u;
+    }
+    return taken;
+}
+/// True if the source may have one entry more. The last quarter of a table is kept for sources that have none.
+bool has_place(const Taken& taken, const Quota& quota);
 
 /// A bucket for each source, found by a secret hash: sources that share one share its rate, and nobody can choose with whom.
 class SourceLimit {

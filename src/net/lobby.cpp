@@ -82,25 +82,27 @@ LobbyStatus Relay::Impl::enter(const Asked& asked, std::string& code) {
     const auto found = rooms.find(code);
     if (found == rooms.end()) return LobbyStatus::no_such_code;
     Room& room = found->second;
+    if (room_of.contains(who.bytes)) room.asked_ms = now; // by a member
     if (std::ranges::find(room.members, who) == room.members.end()) {
         if (room.members.size() == room.players) return LobbyStatus::room_full;
         room.members.push_back(who), room.relay_keys.push_back(random_key());
         room.second_keys.push_back(random_key());
         room_of[who.bytes] = code;
+        room.asked_ms = now;
     }
     return room.members.size() == room.players ? LobbyStatus::ready : LobbyStatus::waiting;
 }
 
 LobbyStatus Relay::Impl::open_room(const Asked& asked, std::string& code) {
     if (asked.players < 2 || asked.players > net_players_max) return LobbyStatus::bad_request;
-    if (rooms.size() >= def.rooms_max) return LobbyStatus::lobby_full;
-    const auto of_the_source = std::ranges::count_if(rooms, [&](const auto& entry) {
-        return std::ranges::equal(source_of(entry.second.opened_by), source_of(asked.from));
-    });
-    if (static_cast<std::uint64_t>(of_the_source) >= def.rooms_per_source) return LobbyStatus::lobby_full;
+    const Taken taken = count_taken(
+        rooms, asked.from, [](const auto& entry) -> const NetAddress& { return entry.second.opened_by; });
+    if (!has_place(taken, {def.rooms_max, def.rooms_per_source, def.rooms_per_network}))
+        return LobbyStatus::lobby_full;
     do code = random_code();
     while (rooms.contains(code) || code == door_code);
-    rooms[code] = {asked.players, random_u64(), now, asked.from, {asked.who}, {random_key()}, {random_key()}};
+    rooms[code] = {asked.players, random_u64(),   now,           now, asked.from,
+                   {asked.who},   {random_key()}, {random_key()}};
     room_of[asked.who.bytes] = code;
     return LobbyStatus::waiting;
 }
@@ -132,7 +134,9 @@ const std::string& Relay::show(WatchDoor& door) {
 }
 
 void Relay::Impl::close_old_rooms() {
-    const auto is_old = [&](const Room& room) { return now - room.opened_ms > def.room_ms; };
+    const auto is_old = [&](const Room& room) {
+        return now - room.opened_ms > def.room_ms || now - room.asked_ms > def.room_idle_ms;
+    };
     std::erase_if(room_of, [&](const auto& entry) { return is_old(rooms.find(entry.second)->second); });
     std::erase_if(rooms, [&](const auto& entry) { return is_old(entry.second); });
 }

@@ -36,7 +36,7 @@ struct LobbyClient::Impl {
     std::uint32_t players;
     NetKey secret = random_key();
     std::optional<DirectedKeys> keys;
-    std::uint64_t now = 0, nonce = random_u64(), cookie = 0, cookie_ms = 0, asked_ms = 0;
+    std::uint64_t now = 0, nonce = random_u64(), cookie = 0, cookie_ms = 0, asked_ms = 0, answered_ms = 0;
     bool has_cookie = false;
     std::string code, refusal;
     std::optional<ConnectToken> token;
@@ -80,6 +80,7 @@ void LobbyClient::Impl::take_answer(Bytes datagram) {
     if (!open_with_nonce(plain, datagram.subspan(lobby_answer_head), datagram.first(lobby_answer_head),
                          keys->receive))
         return;
+    answered_ms = now;
     base::ByteReader in(plain, "lobby answer");
     const auto status = static_cast<LobbyStatus>(in.u8("status"));
     in.u8("members");
@@ -137,6 +138,7 @@ std::optional<OutgoingDatagram> LobbyClient::next_outgoing() {
 
 const std::string& LobbyClient::code() const { return impl->code; }
 const std::optional<ConnectToken>& LobbyClient::token() const { return impl->token; }
+std::uint64_t LobbyClient::answered_ms() const { return impl->answered_ms; }
 const std::string& LobbyClient::refusal() const { return impl->refusal; }
 
 } // namespace lockstone

@@ -84,13 +84,18 @@ Relay::Impl::Fault Relay::Impl::take_request(const NetAddress& from, Bytes datag
 }
 
 Relay::Impl::Fault Relay::Impl::sit_down(const RelayPass& pass, const NetAddress& from) {
-    if (!matches.contains(pass.match_id) && matches.size() >= def.matches_max) return NetFault::over_rate;
+    if (!matches.contains(pass.match_id)) {
+        const Taken taken = count_taken(
+            matches, from, [](const auto& entry) -> const NetAddress& { return entry.second.opened_by; });
+        if (!has_place(taken, {def.matches_max, def.matches_per_source, def.matches_per_network}))
+            return NetFault::over_rate;
+    }
     if (const auto other = seats.find(from); other != seats.end()) {
         if (other->second == std::pair(pass.match_id, pass.slot)) return {};
         stand_up(other);
     }
     RelayedMatch& match = matches[pass.match_id];
-    if (match.players == 0) match.players = pass.players;
+    if (match.players == 0) match.players = pass.players, match.opened_by = from;
     if (match.players != pass.players) return NetFault::match;
     Seat& seat = match.seats[pass.slot];
     if (seat.address.port != 0) seats.erase(seat.address);

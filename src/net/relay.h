@@ -19,6 +19,7 @@ struct Seat {
 
 struct RelayedMatch {
     std::uint32_t players = 0;
+    NetAddress opened_by = {};                 ///< of its first player
     std::array<Seat, net_players_max> seats{}; ///< by slot
 };
 
@@ -26,6 +27,7 @@ struct RelayedMatch {
 struct Room {
     std::uint32_t players = 0;
     std::uint64_t match_id = 0, opened_ms = 0;
+    std::uint64_t asked_ms = 0;      ///< when a member last sent a request
     NetAddress opened_by = {};       ///< whose source has one room less to open
     std::vector<NetKey> members;     ///< public keys, by slot
     std::vector<NetKey> relay_keys;  ///< by slot

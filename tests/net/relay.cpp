@@ -157,6 +157,27 @@ TEST_CASE("net: a relay forgets who is silent, and takes no more matches than it
     CHECK(players.relay.counters().players == 0);
 }
 
+TEST_CASE("net: one address begins so many matches at a relay, and others begin theirs") {
+    Wire wire;
+    Relay relay(relay_secret, {.matches_per_source = 2}, start_ms);
+    wire.attach(relay_at, relay);
+    std::vector<std::unique_ptr<Endpoint>> players;
+    const auto sits = [&](const NetAddress& from) {
+        MatchPlan plan = relayed(2);
+        plan.match_id = 100 + players.size();
+        players.push_back(std::make_unique<Endpoint>(
+            Endpoint::create(make_tokens(plan).value()[0], {}, wire.now_ms).value()));
+        wire.attach(from, *players.back());
+        wire.run(1000);
+        return players.back()->is_relayed();
+    };
+    CHECK(sits(address(30, 4000)));
+    CHECK(sits(address(30, 4001)));
+    CHECK_FALSE(sits(address(30, 4002)));
+    CHECK(sits(address(31)));
+    CHECK(relay.counters().matches == 3);
+}
+
 TEST_CASE("net: a flood of hellos at a relay is answered so many times a second") {
     Relay relay(relay_secret, {}, start_ms);
     Packet hello(24, std::byte{0});
@@ -206,6 +227,7 @@ TEST_CASE("net: a code brings three players together, who then connect through t
     LobbyClient& host = lobby.ask("", 3);
     REQUIRE(host.code().size() == 8);
     CHECK_FALSE(host.token());
+    CHECK(lobby.wire.now_ms - host.answered_ms() < 1000);
     lobby.ask(host.code(), 0), lobby.ask(host.code(), 0);
     lobby.wire.run(1000);
     std::vector<std::unique_ptr<Endpoint>> players;
@@ -277,6 +299,7 @@ TEST_CASE("net: one address opens so many rooms, from whatever ports, and others
         lobby.wire.detach(from); // requests of one address have a rate
         return client;
     };
+    lobby.relay = Relay(relay_secret, {.room_idle_ms = RelayDef{}.room_ms}, start_ms);
     const std::uint32_t most = RelayDef{}.rooms_per_source;
     for (std::uint32_t room = 0; room < most; ++room) {
         CAPTURE(room);
@@ -289,6 +312,50 @@ TEST_CASE("net: one address opens so many rooms, from whatever ports, and others
     CHECK(from_one(5001, other.code()).refusal().empty()); // it may enter
     lobby.relay.poll(lobby.wire.now_ms + 400'000);         // its rooms have closed
     CHECK(lobby.relay.counters().rooms == 0);
+}
+
+TEST_CASE("net: one network opens so many rooms, and others open theirs") {
+    Lobby lobby;
+    lobby.relay = Relay(relay_secret, {.rooms_per_source = 2, .rooms_per_network = 4}, start_ms);
+    const auto opens = [&](const NetAddress& from) { return !lobby.ask_from(from, "", 2).code().empty(); };
+    for (const std::uint32_t port : {1u, 2u})
+        for (const std::uint8_t host : {std::uint8_t{20}, std::uint8_t{21}})
+            CHECK(opens(address(host, static_cast<std::uint16_t>(port))));
+    CHECK_FALSE(opens(address(22)));
+    NetAddress other = address(22);
+    other.ip[14] = 3;
+    CHECK(opens(other));
+    // An IPv6 network is a /48.
+    NetAddress wide{.ip = {0x20, 1, 0xd, 0xb8}, .port = 7777};
+    for (std::uint8_t i = 0; i < 6; ++i) {
+        wide.ip[7] = i; // another /64
+        CHECK(opens(wide) == (i < 4));
+    }
+    wide.ip[5] = 1;
+    CHECK(opens(wide));
+}
+
+TEST_CASE("net: the last quarter of a lobby is kept for newcomers") {
+    Lobby lobby;
+    lobby.relay = Relay(relay_secret, {.rooms_max = 8, .rooms_per_source = 8}, start_ms);
+    std::uint32_t opened = 0;
+    for (std::uint16_t port = 1; port <= 8; ++port)
+        opened += lobby.ask_from(address(20, port), "", 2).code().empty() ? 0u : 1u;
+    CHECK(opened == 6);
+    for (const std::uint8_t host : {std::uint8_t{21}, std::uint8_t{22}})
+        CHECK(lobby.ask_from(address(host), "", 2).code().size() == 8);
+    CHECK(lobby.ask_from(address(23), "", 2).refusal() == "the lobby has no room for another match");
+}
+
+TEST_CASE("net: a room closes when its players have gone, and stays while they wait") {
+    Lobby lobby;
+    const std::string left = lobby.ask("", 2).code();
+    lobby.wire.detach(address(50));
+    LobbyClient& waiting = lobby.ask("", 2);
+    lobby.wire.run(40'000);
+    CHECK(lobby.relay.counters().rooms == 1);
+    CHECK(lobby.ask(left, 0).refusal() == "the lobby knows no such code, or it has expired");
+    CHECK(lobby.ask(waiting.code(), 0).token());
 }
 
 TEST_CASE("net: no lobby answer is longer than its request, and rooms are bounded") {

@@ -20,7 +20,10 @@ class Meeting {
     Invitation invitation_;
     LobbyClient client_;
     UdpSocket socket_;
+    std::uint64_t silence(std::uint64_t now_ms);
     std::uint64_t begun_ms_;
+    /// When poll() last ran, the answer that it knew then, and how long the relay has been silent while it ran [ms].
+    std::uint64_t polled_ms_ = 0, answered_ms_ = 0, silent_ms_ = 0;
 };
 
 } // namespace lockstone
