@@ -323,6 +323,12 @@ class Session {
     set_input_delay(std::uint32_t ticks) = 0; ///< 0..32, at any time; lockstep: at least 1 (asserted)
     virtual PeerQuality quality(PeerId peer) const = 0; ///< of nobody in this match: not connected, all zero
     virtual const SessionStats& stats() const = 0;
+
+    /// Expires when the session is destroyed. A runner compares it before each call.
+    std::weak_ptr<const void> lifetime() const { return alive; }
+
+  private:
+    std::shared_ptr<const void> alive = std::make_shared<std::byte>();
 };
 
 /// Predicts remote inputs, rolls back when it was wrong. Errors name the field of `def` that is out of range.
@@ -345,12 +351,18 @@ class Simulation {
     virtual void restore(const Image& image) = 0;
     virtual void advance(std::span<const PlayerInput> inputs) = 0; ///< one tick
     virtual std::uint64_t hash() const = 0;
-    /// Events of the last tick in the order of `precedes` (asserted).
+    /// Events of the last tick. A session sorts those that are not in the order of `precedes`, and of equal ones it takes the first.
     virtual std::span<const Event> events() const = 0;
     virtual State& state() = 0; ///< for diagnosis: naming a difference, planting a fault
     /// Takes a state from outside. On an error, a sentence, the present one stays.
     virtual Status adopt(std::span<const std::byte> portable_image) {
         return state().restore_portable(portable_image);
+    }
+    /// Takes the state before tick `tick` of the session: a simulation that counts its ticks refuses a state of another tick. Runners call
+    /// this function.
+    virtual Status adopt_at(std::uint64_t tick, std::span<const std::byte> portable_image) {
+        (void)tick;
+        return adopt(portable_image);
     }
     /// Runs a tick from the state of `before`, with the hashes of its phases, and leaves the present state and all that listens to
     /// it alone. Nothing: it cannot, and is driven there and back instead.
@@ -375,6 +387,8 @@ class WorldSimulation final : public Simulation {
     std::span<const Event> events() const override;
     State& state() override;
     Status adopt(std::span<const std::byte> portable_image) override; ///< World's checks, then Game::check
+    /// Also refuses a state whose tick_count() is not that of Game::start() and `tick` more.
+    Status adopt_at(std::uint64_t tick, std::span<const std::byte> portable_image) override;
     std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) override;
     void record_phase_hashes(bool on) override;
     std::span<const PhaseHash> phase_hashes() const override;
@@ -384,6 +398,7 @@ class WorldSimulation final : public Simulation {
 
   private:
     World& living() const;
+    Status adopt_if(std::span<const std::byte> portable_image, std::optional<std::uint64_t> tick_count);
     World& world;
     std::weak_ptr<const void> lifetime;
     const Game& game;
@@ -437,9 +452,10 @@ struct Frame {
     std::uint32_t wait_ticks; ///< Step::wait_ticks
 };
 
-/// Executes a session's requests on a simulation with a ring of images allocated once, and reconciles events. The session
-/// and the simulation outlive it. Where SessionDef::run_ahead is set, the simulation stands that far ahead between two calls, and at the
-/// present one when the sink is told, in drain() and when the runner is gone. To use one that was moved from ends the program with a sentence.
+/// Executes a session's requests on a simulation with a ring of images allocated once, and reconciles events. The simulation outlives the
+/// runner. After the session was destroyed, the runner may be destroyed, and any other call ends the program with a sentence. Where
+/// SessionDef::run_ahead is set, the simulation is that far ahead between two calls, and at the present tick when the sink is called, in drain()
+/// and when the runner is destroyed. A call of a runner that was moved from ends the program with a sentence.
 class SessionRunner {
   public:
     SessionRunner(Session& session, Simulation& simulation, RunnerDef def = {});

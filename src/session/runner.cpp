@@ -15,6 +15,7 @@ constexpr std::uint64_t never = ~std::uint64_t{0};
 
 struct SessionRunner::Impl final : StateInspector {
     Session& session;
+    std::weak_ptr<const void> lifetime; ///< of the session
     Simulation& simulation;
     RunnerDef def;
     std::vector<Image> ring; ///< by tick modulo its size
@@ -32,8 +33,8 @@ struct SessionRunner::Impl final : StateInspector {
     const Image* to_come_back = nullptr; ///< where the simulation is ahead: the state to come back to
 
     Impl(Session& driver, Simulation& driven, RunnerDef runner_def)
-        : session(driver), simulation(driven), def(std::move(runner_def)), hash(driven.hash()),
-          ledger(driver.images_max() + 1),
+        : session(driver), lifetime(driver.lifetime()), simulation(driven), def(std::move(runner_def)),
+          hash(driven.hash()), ledger(driver.images_max() + 1),
           is_inspected(def.inspected_ticks > 0 && driver.set_inspector(this)) {
         ring.resize(driver.images_max() + (is_inspected ? def.inspected_ticks : 0));
         ring_ticks.assign(ring.size(), never);
@@ -45,7 +46,7 @@ struct SessionRunner::Impl final : StateInspector {
     Impl& operator=(const Impl&) = delete;
     ~Impl() override {
         come_back();
-        session.drop_inspector(*this);
+        if (!lifetime.expired()) session.drop_inspector(*this);
     }
 
     /// Shows the next ticks as they would be by what is known, and tells nobody.
@@ -97,7 +98,7 @@ struct SessionRunner::Impl final : StateInspector {
     }
 
     void execute(const Adopt& adopt) {
-        const Status taken = simulation.adopt(adopt.image);
+        const Status taken = simulation.adopt_at(adopt.tick, adopt.image);
         hash = simulation.hash();
         session.report_adopted(taken, hash);
         if (!taken) return;
@@ -164,6 +165,7 @@ SessionRunner::~SessionRunner() = default;
 
 SessionRunner::Impl& SessionRunner::inside() const {
     LOCKSTONE_ASSERT(impl != nullptr, "this session runner was moved from");
+    LOCKSTONE_ASSERT(!impl->lifetime.expired(), "the session was destroyed before its runner");
     return *impl;
 }
 

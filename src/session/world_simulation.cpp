@@ -23,14 +23,27 @@ void WorldSimulation::advance(std::span<const PlayerInput> inputs) {
         first_failure = Error{base::join("tick ", tick, ": the game's rules fail: ", status.error().message)};
     if (driven.tick_count() == tick) driven.tick(); // the session counts it
 }
-Status WorldSimulation::adopt(std::span<const std::byte> portable_image) {
+/// Without `tick_count` the state may have run any number of ticks.
+Status WorldSimulation::adopt_if(std::span<const std::byte> portable_image,
+                                 std::optional<std::uint64_t> tick_count) {
     World& driven = living();
     Image present;
     driven.save(present);
     if (Status taken = driven.restore_portable(portable_image); !taken) return taken;
     Status checked = game.check(driven);
+    if (checked && tick_count && driven.tick_count() != *tick_count)
+        checked = Error{
+            base::join("the state is of tick ", driven.tick_count(), ", it should be of tick ", *tick_count)};
     if (!checked) driven.restore(present);
     return checked;
+}
+Status WorldSimulation::adopt(std::span<const std::byte> portable_image) {
+    return adopt_if(portable_image, std::nullopt);
+}
+Status WorldSimulation::adopt_at(std::uint64_t tick, std::span<const std::byte> portable_image) {
+    const Result<World> start = game.start();
+    if (!start) return start.error();
+    return adopt_if(portable_image, start->tick_count() + tick);
 }
 /// In a clone: a journal of the world that is driven hears nothing of it.
 std::optional<Rerun> WorldSimulation::run_aside(const Image& before, std::span<const PlayerInput> inputs) {

@@ -35,6 +35,7 @@ TEST_CASE("misuse: joining, and states that are none") {
     Arena arena(2);
     const std::uint64_t before = arena.hash();
     CHECK_FALSE(arena.adopt({}));
+    CHECK_FALSE(arena.adopt_at(~std::uint64_t{0}, {}));
     std::vector<std::byte> damaged = arena.state().save_portable();
     damaged[damaged.size() / 2] ^= std::byte{1};
     CHECK_FALSE(arena.adopt(damaged));

@@ -1,6 +1,7 @@
 // Wrong arguments to a world: commands answer with a sentence and change nothing, reading ends the program with one.
 #include "fault/misuse.h"
 #include "support/sim_scenes.h"
+#include "support/small_game.h"
 
 #include "lockstone/play/vehicle.h"
 #include "lockstone/session.h"
@@ -264,7 +265,7 @@ TEST_CASE("misuse: a world that was moved from, or destroyed under what drives i
         }
     } game;
     SimulatedNetwork network(1, {}, 1);
-    const auto session = make_rollback_session(session_def(game, 0, {0}), network.endpoint(0)).value();
+    auto session = make_rollback_session(session_def(game, 0, {0}), network.endpoint(0)).value();
     std::optional<World> driven = World::create({}).value();
     WorldSimulation simulation(*driven, game);
     SessionRunner runner(*session, simulation);
@@ -285,9 +286,30 @@ TEST_CASE("misuse: a world that was moved from, or destroyed under what drives i
         CHECK(other.inspector().state_after(tick) == nullptr);
         CHECK(other.inspector().run_again(tick, {}).phases.empty());
     }
+    const std::string of_session = last_words([&] {
+        session.reset();
+        other.frame(2);
+    });
+    CHECK(of_session.find("the session was destroyed before its runner") != std::string::npos);
     driven.reset();
     const std::string words = last_words([&] { frame(other); });
     CHECK(words.find("destroyed before what drives it") != std::string::npos);
+}
+
+TEST_CASE("misuse: a session may be destroyed before its runner, which is only destroyed then") {
+    const SmallGame game;
+    SimulatedNetwork network(1, {}, 1);
+    World world = game.start().value();
+    WorldSimulation simulation(world, game);
+    for (const std::uint32_t inspected : {0u, 8u}) {
+        auto session =
+            make_rollback_session(session_def(game, 0, std::vector<PeerId>(game.player_count(), 0)),
+                                  network.endpoint(0))
+                .value();
+        const SessionRunner runner(*session, simulation, {.inspected_ticks = inspected});
+        session.reset();
+    }
+    CHECK(world.tick_count() == 0);
 }
 
 TEST_CASE("misuse: an image whose game columns differ in anything but their values is refused") {

@@ -21,6 +21,9 @@ class ForgetfulSimulation final : public Simulation {
     std::span<const Event> events() const override { return real.events(); }
     State& state() override { return real.state(); }
     Status adopt(std::span<const std::byte> portable_image) override { return real.adopt(portable_image); }
+    Status adopt_at(std::uint64_t tick, std::span<const std::byte> portable_image) override {
+        return real.adopt_at(tick, portable_image);
+    }
     void record_phase_hashes(bool on) override { real.record_phase_hashes(on); }
     std::span<const PhaseHash> phase_hashes() const override { return real.phase_hashes(); }
 

@@ -44,6 +44,17 @@ fuzz::Buffer at_edge(unsigned world, std::uint8_t column, std::uint8_t row, std:
 
 } // namespace
 
+TEST_CASE("state corpus: a watcher and a machine that joins begin at the state that the checks send them") {
+    for (std::size_t base = 0; base < fuzz::base_count; ++base)
+        for (const bool joins : {false, true}) {
+            INFO("world ", base, joins ? ", joins" : ", watches");
+            std::uint64_t reached = 0;
+            const fuzz::Ticking game(base);
+            CHECK(fuzz::play_from_host(fuzz::base_of(base).now, game, joins, reached) == "");
+            CHECK(reached > 1);
+        }
+}
+
 TEST_CASE("state corpus: it holds every seed, and all of it is refused or ticks on") {
     const std::vector<fuzz::Seed> seeds = fuzz::state_seeds();
     const std::vector<fuzz::Buffer> all = fuzz::corpus("state", seeds);

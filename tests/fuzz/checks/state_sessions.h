@@ -48,8 +48,8 @@ inline std::string play_rolled_back(World& w, const Game& game) {
     return desync_of(*session);
 }
 
-/// A host that is in the state offers it to a watcher, or to a machine that joins; both go on from there.
-inline std::string play_from_host(const World& at, const Game& game, bool joins) {
+/// A host that is in the state offers it to a watcher, or to a machine that joins; both go on from there. `reached`: the next tick of the guest.
+inline std::string play_from_host(const World& at, const Game& game, bool joins, std::uint64_t& reached) {
     struct Offered final : StateInspector {
         explicit Offered(World world) : w(std::move(world)) {}
         const State* state_after(std::uint64_t) override { return &w.state(); }
@@ -80,6 +80,7 @@ inline std::string play_from_host(const World& at, const Game& game, bool joins)
         host.poll();
         runner.frame(frame * 100);
     }
+    reached = session->current_tick();
     return desync_of(*session);
 }
 
@@ -90,7 +91,8 @@ inline std::string play_in_sessions(const World& w, World& scratch, std::size_t 
         return taken.error().message;
     if (std::string fault = play_rolled_back(scratch, game); !fault.empty()) return fault;
     // One state in 8 is transferred, because a transfer takes longer than the other checks together.
-    return chosen % 8 == 0 ? play_from_host(w, game, chosen % 16 == 0) : "";
+    std::uint64_t reached = 0;
+    return chosen % 8 == 0 ? play_from_host(w, game, chosen % 16 == 0, reached) : "";
 }
 
 } // namespace fuzz

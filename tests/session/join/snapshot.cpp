@@ -1,6 +1,7 @@
 // States that travel: in chunks that prove themselves, to watchers that begin with them; and what nobody begins with.
 #include "session/join/snapshot.h"
 #include "session/join/join_net.h"
+#include "support/small_game.h"
 
 #include <doctest/doctest.h>
 
@@ -137,4 +138,20 @@ TEST_CASE("a state larger than a watcher takes is refused with a sentence") {
     REQUIRE_FALSE(refused.empty());
     CHECK(refused[0].reason.find("bytes, at most 100 are taken") != std::string::npos);
     CHECK(guest.timeline.ticks.empty());
+}
+
+TEST_CASE("a state that is of another tick than its host says is refused, and the world stays") {
+    const SmallGame game;
+    World theirs = game.start().value(), ours = game.start().value();
+    for (int t = 0; t < 5; ++t) theirs.tick();
+    WorldSimulation simulation(ours, game);
+    const std::uint64_t before = ours.hash();
+    for (const std::uint64_t tick : {0u, 4u, 6u}) {
+        const Status taken = simulation.adopt_at(tick, theirs.save_portable());
+        REQUIRE_FALSE(taken);
+        CHECK(taken.error().message.find("the state is of tick 5") != std::string::npos);
+        CHECK(ours.hash() == before);
+    }
+    CHECK(simulation.adopt_at(5, theirs.save_portable()));
+    CHECK(ours.hash() == theirs.hash());
 }

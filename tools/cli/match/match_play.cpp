@@ -29,8 +29,8 @@ class PlayedWorld final : public Simulation {
     std::uint64_t hash() const override { return simulation.hash(); }
     std::span<const Event> events() const override { return simulation.events(); }
     State& state() override { return simulation.state(); }
-    Status adopt(std::span<const std::byte> image) override {
-        Status taken = simulation.adopt(image);
+    Status adopt_at(std::uint64_t tick, std::span<const std::byte> image) override {
+        Status taken = simulation.adopt_at(tick, image);
         if (taken && on_adopt) on_adopt();
         return taken;
     }
