@@ -18,7 +18,7 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from tree import Tree  # noqa: E402
 
-WITHOUT_BUILD = ["words", "compilers", "layers", "headers", "includes", "sizes", "readmes", "dead_headers", "misuse", "diagram", "workflows", "format", "tables", "cost_card", "thresholds"]
+WITHOUT_BUILD = ["words", "compilers", "layers", "headers", "includes", "sizes", "readmes", "dead_headers", "misuse", "diagram", "workflows", "format", "tables", "cost_card", "thresholds", "assertions"]
 OF_RELEASE = ["instructions", "optimised"]
 SLOW = ["lint"]  # a minute
 OF_PROGRAM = ["stored_hashes"]  # of bin/lockstone in the build's folder, of any build type
