@@ -55,6 +55,9 @@ BodyDef Drawer::body_def(Vec3 at) {
     if (is_now(Feature::kinematic, drivers_of)) {
         d.kind = BodyKind::kinematic;
         d.linear_velocity = vector(Real(1)), d.angular_velocity = vector(Real(2));
+        if (is_stacked())
+            d.pose.position.y =
+                d.pose.position.y + Real(100); // above the towers, as characters are beside them
     }
     if (is_now(Feature::locks, 3)) d.locks = 1 + v.below(63);
     if (is_now(Feature::bullets, 4))
