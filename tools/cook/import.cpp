@@ -1,5 +1,6 @@
 #include "cook/import.h"
 
+#include "cook/memory_limit.h"
 #include "cook/read_model.h"
 
 #include <sys/resource.h>
@@ -14,14 +15,6 @@
 #include <filesystem>
 #include <optional>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define LOCKSTONE_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define LOCKSTONE_SANITIZED 1
-#endif
-#endif
-
 namespace lockstone::cook {
 namespace {
 
@@ -35,10 +28,10 @@ constexpr std::uint64_t text_max = 4096;
 // ---- the child ------------------------------------------------------------------------------------------------
 
 void limit_child(const ImportLimits& limits) {
-#ifndef LOCKSTONE_SANITIZED // whose shadow memory is larger than any limit
-    const rlimit memory{limits.memory, limits.memory};
-    setrlimit(RLIMIT_AS, &memory);
-#endif
+    if (limits_memory) {
+        const rlimit memory{limits.memory, limits.memory};
+        setrlimit(RLIMIT_AS, &memory);
+    }
     const rlimit seconds{limits.seconds, limits.seconds}, none{0, 0};
     setrlimit(RLIMIT_CPU, &seconds);
     setrlimit(RLIMIT_CORE, &none);

@@ -6,19 +6,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define LOCKSTONE_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define LOCKSTONE_SANITIZED 1
-#endif
-#endif
-
 namespace lockstone::cook {
 
 MemoryLimit::MemoryLimit(std::uint64_t bytes)
     : most(std::numeric_limits<std::uint64_t>::max()), before(most) {
-#ifndef LOCKSTONE_SANITIZED
+    if (!limits_memory) return;
     std::uint64_t pages = 0;
     rlimit now{};
     if (!(std::ifstream("/proc/self/statm") >> pages) || getrlimit(RLIMIT_AS, &now) != 0) return;
@@ -28,9 +20,6 @@ MemoryLimit::MemoryLimit(std::uint64_t bytes)
     now.rlim_cur = wanted;
     is_set = setrlimit(RLIMIT_AS, &now) == 0;
     if (is_set) most = wanted;
-#else
-    static_cast<void>(bytes);
-#endif
 }
 
 MemoryLimit::~MemoryLimit() {

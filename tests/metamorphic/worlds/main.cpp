@@ -60,7 +60,7 @@ const std::vector<Apart>& apart() {
     return all;
 }
 
-/// A factor of a tree of joints has 60 bits: no mass and lever that the interface allows takes it out of them.
+/// A factor of a tree of joints has 60 bits, and no chain of joints is known that needs more (docs/results).
 constexpr std::string_view never_taken = "tree_solved_in_passes";
 
 bool can_meet(std::string_view path, Feature feature) {

@@ -37,7 +37,7 @@ struct MovingState {
         for (int t = 0; t < 400; ++t) out.w.tick();
         return out;
     }
-    /// The tick's commands, then the tick: first the car comes down on a heap, and the character walks into the other one, crouches and jumps.
+    /// Applies the commands of tick `t`, then ticks: one car falls onto the first heap, and the character walks into the second heap, crouches and jumps.
     void play(int t) {
         using namespace scene;
         if (t == 2) {
@@ -49,7 +49,7 @@ struct MovingState {
     }
 };
 
-/// Plays two copies, one of which moves its state at every chance; the first tick after which they differ, as a sentence.
+/// Plays two copies; the second copy moves its state at every chance. Returns the first tick after which they differ, as a sentence.
 inline std::string moving_state_differs(int ticks) {
     MovingState first = MovingState::make();
     if (first.w.awake_count() > 2) return "the heaps do not sleep";
