@@ -1,7 +1,7 @@
 #include "options.h"
 
 #include "cli/text.h"
-#include "scenes/asset_set.h"
+#include "scenes/load_assets.h"
 
 #include <CLI/CLI.hpp>
 

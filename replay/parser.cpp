@@ -219,6 +219,8 @@ void Parser::read_asset(ByteReader& in) {
                             " bytes of memory that are left are too few to read it (--memory)"));
     const Result<AssetId> id = out.library->add(bytes);
     if (!id) return in.fail(id.error().message);
+    if (out.library->bytes(*id).size() != bytes.size())
+        return in.fail("it holds a set of assets, it must hold one asset");
     if (!assets.insert(*id).second) in.fail("the asset stands twice");
     out.asset_bytes += bytes.size();
 }

@@ -84,6 +84,12 @@ struct CompoundPart {
 /// within 100 m of the origin. The order of the parts stays.
 Result<AssetBytes> bake_compound(std::span<const CompoundPart> parts);
 
+inline constexpr std::uint32_t asset_set_max = compound_parts_max + 1; ///< assets of one set
+
+/// Joins assets into one run of bytes, as `lockstone cook` writes them to a file: one asset as it is, several as a set (src/shapes/ASSET.md). Each asset
+/// comes after those that it refers to, so a compound comes last. No assets give no bytes.
+AssetBytes encode_assets(std::span<const AssetBytes> assets);
+
 namespace shapes {
 class Asset;
 }
@@ -96,7 +102,8 @@ class AssetLibrary {
     AssetLibrary& operator=(AssetLibrary&&) noexcept;
     ~AssetLibrary();
 
-    /// Parses and proves the bytes: checksum, bounds, convexity, closedness. On error nothing was added.
+    /// Adds one asset, or each asset of a set, and returns the id, of a set that of its last asset. Checks checksum, bounds,
+    /// convexity and closedness. Errors: name the byte that is wrong; then nothing was added.
     Result<AssetId> add(std::span<const std::byte> bytes);
     /// Bakes and adds.
     Result<AssetId> add(const Result<AssetBytes>& baked);
@@ -110,6 +117,8 @@ class AssetLibrary {
     const shapes::Asset* find(AssetId id) const; ///< null when not there; for the layers below
 
   private:
+    Result<AssetId> add_one(std::span<const std::byte> bytes);
+    Result<AssetId> add_set(std::span<const std::byte> bytes);
     std::map<AssetId, std::unique_ptr<const shapes::Asset>> assets;
 };
 

@@ -180,6 +180,9 @@ TEST_CASE("misuse: an asset library's wrong arguments are errors, and nothing is
     const AssetId nobody{0x1234};
     refused("no bytes", status_of(library.add(std::span<const std::byte>{})), "");
     refused("any bytes", status_of(library.add(AssetBytes(100, std::byte{7}))), "");
+    const AssetBytes broken[] = {AssetBytes(100, std::byte{7}), AssetBytes{}};
+    refused("a set of any bytes", status_of(library.add(encode_assets(broken))),
+            "asset set: asset 0 of 2: asset:");
     refused("what did not bake", status_of(library.add(bake_hull({}))), "");
     refused("geometry of nobody", status_of(library.geometry(nobody)), "0x1234");
     CHECK_FALSE(library.contains(nobody));

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "cook/cook.h"
-#include "scenes/asset_set.h"
 
 #include <array>
 #include <cstring>
@@ -83,7 +82,7 @@ inline std::string check_cook(std::span<const std::uint8_t> data) {
     if (!(made->deviation >= 0)) return "a deviation that is no number";
     if (made->assets.empty()) return "neither an error nor an asset";
     AssetLibrary library;
-    const Result<AssetId> id = decode_assets(encode_assets(made->assets), library);
+    const Result<AssetId> id = library.add(encode_assets(made->assets));
     if (!id) return "assets that do not load: " + id.error().message;
     return *id == made->id ? "" : "another id than was told";
 }

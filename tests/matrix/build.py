@@ -12,7 +12,7 @@ import threading
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Threads and directories; a machine without them builds the rest.
-WITHOUT_THREADS = {"src/base/worker_pool.cpp", "replay/verifier.cpp", "tools/scenes/asset_set.cpp"}
+WITHOUT_THREADS = {"src/base/worker_pool.cpp", "replay/verifier.cpp", "tools/scenes/load_assets.cpp"}
 
 # What most sources include, compiled once a build: reading headers is half of the time of a cell.
 PRELUDE = ("lockstone/world.h", "world/data.h", "algorithm", "array", "functional", "map", "memory", "optional", "sstream", "string", "vector")

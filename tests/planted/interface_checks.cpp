@@ -150,6 +150,24 @@ std::string forbidden_assets() {
     return {};
 }
 
+/// A set of two hulls with a damaged second hull, and a recording that has a set as an asset.
+std::string sets_added_whole() {
+    const LengthVec3 corners[] = {{}, {Length(1), {}, {}}, {{}, Length(1), {}}, {{}, {}, Length(1)}};
+    const LengthVec3 larger[] = {{}, {Length(2), {}, {}}, {{}, Length(1), {}}, {{}, {}, Length(1)}};
+    const AssetBytes both[] = {scene::made(bake_hull(corners)), scene::made(bake_hull(larger))};
+    AssetBytes set = encode_assets(both);
+    AssetLibrary library;
+    set.back() ^= std::byte{1};
+    if (library.add(set).ok() || !library.ids().empty()) return "a damaged set leaves an asset behind";
+    set.back() ^= std::byte{1};
+    if (!library.add(set).ok() || library.ids().size() != 2) return "a set is refused";
+    std::vector<Chunk> chunks = chunks_of(record_commands(4));
+    const auto place =
+        chunks.begin() + static_cast<std::ptrdiff_t>(find_chunk(chunks, replay::chunk_world_def)) + 1;
+    chunks.insert(place, {replay::chunk_asset, 0, Bytes(set.begin(), set.end())});
+    return read(file_of(chunks, true)).ok() ? "a recording has a set of assets as one asset" : "";
+}
+
 } // namespace
 
 Checks interface_checks() {
@@ -160,6 +178,7 @@ Checks interface_checks() {
             {"the self test finds a wrong hash", wrong_hash_found},
             {"a zero generator has the streams of seed 0", zero_streams},
             {"headers that the format forbids are refused", forbidden_headers},
+            {"sets of assets are added whole", sets_added_whole},
             {"assets in recordings of inputs are refused", forbidden_assets}};
 }
 

@@ -74,6 +74,15 @@ std::string all_kinds_are_told() {
     return missing.empty() ? "" : "kinds that never happened in one tick: " + missing;
 }
 
+std::string other_ticks_refused() {
+    const test::SnapGame game;
+    World theirs = scene::made(game.start()), ours = scene::made(game.start());
+    WorldSimulation simulation(ours, game);
+    for (int t = 0; t < 3; ++t) theirs.tick();
+    if (!simulation.adopt_at(3, theirs.save_portable())) return "a state of its tick is refused";
+    return simulation.adopt_at(4, theirs.save_portable()) ? "a state of another tick is taken" : "";
+}
+
 /// A game's own simulation may tell events in any order, and one twice.
 std::string unordered_events_are_told_once() {
     const auto event_of = [](std::uint32_t shape) {
@@ -101,6 +110,7 @@ Checks session_checks() {
             {"relays serve", relays_serve},
             {"shows ahead", shows_ahead},
             {"joints that break are told", broken_joints_are_told},
+            {"states of another tick are refused", other_ticks_refused},
             {"events out of order are told once", unordered_events_are_told_once},
             {"every two kinds are told", all_kinds_are_told}};
 }

@@ -4,7 +4,7 @@
 #include "cli/text.h"
 #include "cook/import.h"
 #include "cook/memory_limit.h"
-#include "scenes/asset_set.h"
+#include "scenes/load_assets.h"
 #include "json/json.h"
 
 #include <algorithm>

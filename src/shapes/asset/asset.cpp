@@ -139,6 +139,9 @@ AssetLibrary& AssetLibrary::operator=(AssetLibrary&&) noexcept = default;
 AssetLibrary::~AssetLibrary() = default;
 
 Result<AssetId> AssetLibrary::add(std::span<const std::byte> bytes) {
+    return shapes::is_asset_set(bytes) ? add_set(bytes) : add_one(bytes);
+}
+Result<AssetId> AssetLibrary::add_one(std::span<const std::byte> bytes) {
     if (const shapes::Asset* known = find(shapes::id_of(bytes));
         known != nullptr && std::ranges::equal(known->bytes, bytes))
         return known->id;

@@ -31,6 +31,9 @@ std::uint16_t minor_version(const Asset& asset);
 /// The id that bytes have by their checksum.
 AssetId id_of(std::span<const std::byte> bytes);
 
+/// True if the bytes begin as a set of assets does (asset_set.cpp).
+bool is_asset_set(std::span<const std::byte> bytes);
+
 /// Checks frame and content. Compounds look up their hulls in the library.
 Result<std::unique_ptr<const Asset>> parse_asset(std::span<const std::byte> bytes,
                                                  const AssetLibrary& library);

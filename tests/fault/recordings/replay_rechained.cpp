@@ -276,15 +276,20 @@ TEST_CASE("a recording whose columns would assert or exhaust memory in World::cr
 TEST_CASE("assets in a recording of inputs are refused, and a content id in one of commands") {
     const LengthVec3 corners[] = {{}, {Length(1), {}, {}}, {{}, Length(1), {}}, {{}, {}, Length(1)}};
     const AssetBytes hull = bake_hull(corners).value();
-    const auto with_asset = [&](const Bytes& file) {
+    const auto with_asset = [&](const Bytes& file, const AssetBytes& asset) {
         auto chunks = chunks_of(file);
         const auto place =
             chunks.begin() + static_cast<std::ptrdiff_t>(find_chunk(chunks, chunk_world_def)) + 1;
-        chunks.insert(place, {chunk_asset, 0, Bytes(hull.begin(), hull.end())});
+        chunks.insert(place, {chunk_asset, 0, Bytes(asset.begin(), asset.end())});
         return read(file_of(chunks, true));
     };
-    CHECK(with_asset(commands_file()));
-    const Result<Recording> refused = with_asset(inputs_file());
+    CHECK(with_asset(commands_file(), hull));
+    const LengthVec3 larger[] = {{}, {Length(2), {}, {}}, {{}, Length(1), {}}, {{}, {}, Length(1)}};
+    const AssetBytes both[] = {hull, bake_hull(larger).value()};
+    const Result<Recording> set = with_asset(commands_file(), encode_assets(both));
+    REQUIRE_FALSE(set);
+    CHECK(set.error().message.find("it holds a set of assets, it must hold one asset") != std::string::npos);
+    const Result<Recording> refused = with_asset(inputs_file(), hull);
     REQUIRE_FALSE(refused);
     CHECK(refused.error().message.find(": a recording of inputs has no assets: the game has them") !=
           std::string::npos);

@@ -128,6 +128,42 @@ TEST_CASE("an id is the content's, and adding twice is adding once") {
     CHECK(moved.find(id)->hull->faces.size() == 6);
 }
 
+TEST_CASE(
+    "a library takes a set as its assets one by one, and a set that is wrong in its last asset adds none") {
+    const AssetBytes hull = fuzz::sample_hull(true), other = fuzz::sample_hull(false);
+    const CompoundPart parts[] = {{instance(ShapeKind::hull, shapes::id_of(hull)), Transform::identity()},
+                                  {instance(ShapeKind::hull, shapes::id_of(other)), Transform::identity()}};
+    const AssetBytes compound = bake_compound(parts).value();
+    const AssetBytes in_order[] = {hull, other, compound}, reversed[] = {compound, hull, other};
+    AssetLibrary library;
+    CHECK(library.add(encode_assets(in_order)).value() == shapes::id_of(compound));
+    CHECK(library.ids().size() == 3);
+    CHECK(library.add(encode_assets(in_order)).value() == shapes::id_of(compound));
+    CHECK(library.ids().size() == 3);
+    CHECK(encode_assets({}).empty());
+    CHECK(encode_assets(std::span(in_order, 1)) == hull);
+
+    AssetLibrary none;
+    CHECK_FALSE(none.add(encode_assets(reversed)).ok());
+    AssetBytes damaged = encode_assets(in_order);
+    damaged.back() ^= std::byte{1};
+    const Result<AssetId> refused = none.add(damaged);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().message.find("asset set: asset 2 of 3: asset: checksum is") != std::string::npos);
+    CHECK(none.ids().empty());
+    // An asset that was there before a set was refused stays.
+    REQUIRE(none.add(other).ok());
+    CHECK_FALSE(none.add(damaged).ok());
+    CHECK(none.ids() == std::vector<AssetId>{shapes::id_of(other)});
+    // A set in a set is no asset, and nothing follows the last asset.
+    const AssetBytes nested[] = {hull, encode_assets(in_order)};
+    CHECK_FALSE(none.add(encode_assets(nested)).ok());
+    AssetBytes longer = encode_assets(in_order);
+    longer.push_back({});
+    CHECK_FALSE(none.add(longer).ok());
+    CHECK(none.ids().size() == 1);
+}
+
 TEST_CASE("baking, loading and baking again give the same bytes") {
     const auto library = library_of_samples();
     for (AssetId id : library->ids()) CHECK(rebuilt(*library->find(id)) == library->find(id)->bytes);

@@ -2,7 +2,6 @@
 #include "cook/cook.h"
 #include "cook/deviation.h"
 #include "lockstone/math/convert.h"
-#include "scenes/asset_set.h"
 #include "support/about.h"
 #include "support/cook_models.h"
 
@@ -87,7 +86,7 @@ TEST_CASE("a cooked compound follows the model where its hull does not") {
     CHECK(el->assets.size() == 3);
     CHECK(el->deviation < rounding);
     AssetLibrary library;
-    const Result<AssetId> id = decode_assets(encode_assets(el->assets), library);
+    const Result<AssetId> id = library.add(encode_assets(el->assets));
     REQUIRE(id.ok());
     CHECK(*id == el->id);
     CHECK(library.geometry(*id)->kind == ShapeKind::compound);
@@ -117,7 +116,7 @@ TEST_CASE("scale, and an axis that points up, are applied before anything else")
     const Result<Cooked> big = cook::cook(box({0, 0, 0}, {100, 200, 300}), {.scale = 0.01, .z_up = true});
     REQUIRE(big.ok());
     AssetLibrary library;
-    const Result<AssetId> id = decode_assets(encode_assets(big->assets), library);
+    const Result<AssetId> id = library.add(encode_assets(big->assets));
     REQUIRE(id.ok());
     Box box;
     for (const Point& p : to_soup(triangulate(library.geometry(*id).value(), library)).vertices) box.add(p);
@@ -154,11 +153,12 @@ TEST_CASE("a set of assets with any byte changed is refused") {
         AssetBytes bad = good;
         bad[at] ^= std::byte{0x10};
         AssetLibrary library;
-        const Result<AssetId> id = decode_assets(bad, library);
+        const Result<AssetId> id = library.add(bad);
         if (id.ok()) FAIL_CHECK("byte ", at, " was changed and nobody noticed");
+        CHECK(library.ids().empty()); // the hulls before the changed asset are removed again
     }
     for (const std::size_t length : {std::size_t{0}, std::size_t{9}, good.size() / 2, good.size() - 1}) {
         AssetLibrary library;
-        CHECK_FALSE(decode_assets(std::span(good).first(length), library).ok());
+        CHECK_FALSE(library.add(std::span(good).first(length)).ok());
     }
 }

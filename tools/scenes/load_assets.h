@@ -1,0 +1,17 @@
+// Reads a file of assets, as `lockstone cook` writes it.
+//
+//   AssetLibrary library;
+//   Result<AssetId> chair = load_assets("chair.lsa", library);
+//   Result<Geometry> geometry = library.geometry(*chair);
+#pragma once
+
+#include "lockstone/asset.h"
+
+#include <string>
+
+namespace lockstone {
+
+/// Adds all assets of the file to the library and returns the id of the last. The error names the file; then nothing was added.
+Result<AssetId> load_assets(const std::string& path, AssetLibrary& library);
+
+} // namespace lockstone
