@@ -77,9 +77,25 @@ says 'was removed'
 expect 0 verify whole.lsr --memory 16 --jobs 16
 expect 0 run pile --size 1000 --ticks 3 --record pile.lsr
 expect 0 verify pile.lsr --memory 512 --jobs 16
-expect 2 verify pile.lsr --memory 16
-says '--memory'
-expect 2 info pile.lsr --memory 15
+# Each command that takes --memory: the recording can be read within 16 MB and not be played within them.
+limited=0
+for command in $("$lockstone" --help | sed -n '/^Subcommands/,$s/^  \([a-z-]*\)  .*/\1/p'); do
+    [[ $("$lockstone" "$command" --help) == *--memory* ]] || continue
+    limited=$((limited + 1))
+    expect 2 "$command" pile.lsr --memory 15
+    case $command in
+        verify | replay) expect 2 "$command" pile.lsr --memory 16 ;;
+        branch) expect 2 branch pile.lsr --memory 16 --at 1 -o branched.lsr ;;
+        diff) # states that differ are played again, so that the phase is named
+            expect 0 run pile --size 1000 --seed 2 --ticks 3 --record other.lsr
+            expect 2 diff pile.lsr other.lsr --memory 16
+            ;;
+        info | repair | cook) continue ;; # play nothing; cook_end_to_end.sh has the limit of cook
+        *) fail "no case here for --memory of '$command'" ;;
+    esac
+    says '--memory'
+done
+[ $limited -eq 7 ] || fail "$limited commands have --memory"
 
 # ---- what a long run found is there when it is killed ----
 "$lockstone" match --seeds 1..1000000 --ticks 30 >lines &

@@ -79,7 +79,9 @@ cp b c
 flip c.lsr 100
 ! agree a c || fail "another recording agrees"
 
-# Three machines, four cars, and somebody who watches.
+# Three machines, four cars, and somebody who watches; the smallest pictures, and only the last of them.
+large=("${view[@]}")
+view=(--offscreen --script --width 64 --height 64 --frame-every 100000)
 host a cars --machines 3 --players 4 --ticks "$ticks"
 join b
 second=$joined
@@ -97,6 +99,7 @@ agree a b && agree a c || fail "three machines do not agree: $(cat a b c)"
 agree a w || fail "who watches has seen another match: $(cat a w)"
 grep -q "$ticks of $ticks ticks bit-exact" w || fail "what was watched is not verified: $(cat w)"
 echo "three machines: $(grep confirmed c)"
+view=("${large[@]}")
 
 # The planted twin: a world that is made to differ is told at both machines, by tick, column and row, and nothing is called good.
 host a rollback-arena --ticks 300
@@ -135,5 +138,17 @@ host a rollback-arena --ticks 3000
 refused 2 'refuses the code ABCDEFGH: the lobby knows no such code' --join "ABCDEFGH@${invitation#*@}"
 refused 2 'the host plays rollback-arena, and this machine was asked to play cars' cars --join "$invitation"
 refused 2 'all players of this code are there already' --join "$invitation"
+# A relay that ends while players wait in its lobby: they say so after ten seconds of silence, not when the room would close. While it runs, nothing is said.
+begin relay "$lockstone" relay --key relay.key --new-key --port 0 --address 127.0.0.1
+relay=$process
+wait_for '^port' relay $relay
+at=$(sed -n 's/^port \([0-9]*\), key \(.*\)/127.0.0.1:\1#\2/p' relay)
+host a rollback-arena --ticks 60 --relay "$at"
+sleep 11
+kill -0 $hosted 2>/dev/null || fail "the host gave up while its relay runs: $(cat a)"
+kill $relay
+ends 2 a $hosted
+grep -q 'has not answered for 10 seconds' a || fail "a relay that ended is not told: $(cat a)"
+
 [ "$(find a-frames refused-frames -name '*.png' 2>/dev/null | wc -l)" -gt 0 ] || echo "no pictures: OpenGL is not there"
 echo ok
