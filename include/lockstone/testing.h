@@ -30,7 +30,7 @@ std::span<const std::string_view> path_names();
 /// The paths that the last tick of a world took. Empty before its first tick. A clone begins without paths.
 PathSet paths_taken(const World& world);
 
-/// A sentence about the first contact or joint that the plans of the last tick take out of the order of solving; empty: there is none. Right after a
+/// A sentence about the first contact, joint or vehicle that the plans of the last tick take out of the order of solving; empty: there is none. Right after a
 /// tick; disturb() overwrites what this reads.
 std::string order_fault(const World& world);
 

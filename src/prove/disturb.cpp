@@ -30,7 +30,10 @@ PathSet paths_taken(const World& world) {
 std::string order_fault(const World& world) {
     const sim::TickScratch& s = Access::inside_of(world).scratch;
     std::string fault = s.contacts.order_fault();
-    return fault.empty() ? s.joint_solver.order_fault() : fault;
+    if (fault.empty()) fault = s.joint_solver.order_fault();
+    if (!fault.empty()) return fault;
+    fault = s.vehicle_solver.order_fault(s.bodies);
+    return fault.empty() ? fault : "vehicles: " + fault;
 }
 
 } // namespace lockstone::testing

@@ -122,7 +122,25 @@ std::string packs_follow_another_order() {
     return {};
 }
 
-/// Plans of contacts and joints, alone and on workers, tick by tick: a net of joints, figures, a deep pile, towers that are islands, and bodies that roll and
+/// Pairs of cars on one movable plate each: the cars of a pair push the same plate.
+World cars_on_plates(int pairs) {
+    WorldDef def = scene::small_def();
+    World world = scene::made(World::create(def));
+    scene::add_floor(world);
+    for (int i = 0; i < pairs; ++i) {
+        scene::add(world, {.pose = scene::at(40 * i, 0.5, 0), .mass = 20000_r},
+                   {.geometry = box(15_r, 0.5_r, 15_r)});
+        for (int side : {-1, 1}) {
+            const BodyId chassis =
+                scene::add(world, {.pose = scene::at(40 * i + 5 * side, 1.8, 0), .mass = 1200_r},
+                           {.geometry = box(0.8_r, 0.3_r, 2_r)});
+            scene::made(world.create_vehicle(four_wheels(chassis, scene::vec(0.75, -0.3, 1.4))));
+        }
+    }
+    return world;
+}
+
+/// Plans of contacts, joints and vehicles, alone and on workers, tick by tick: a net of joints, figures, a deep pile, towers that are islands, and bodies that roll and
 /// bounce.
 std::string plans_keep_the_order() {
     const auto first_fault = [](World world, int ticks) {
@@ -135,8 +153,12 @@ std::string plans_keep_the_order() {
     };
     World pyramid = make_scene("pyramid").value()->start().value();
     for (int t = 0; t < 30; ++t) pyramid.tick();
-    const World starts[] = {net(30), make_scene("ragdolls").value()->start().value(), std::move(pyramid),
-                            features::pit(300, features::rolls, 1), features::pit(300, features::bounces, 1)};
+    const World starts[] = {net(30),
+                            make_scene("ragdolls").value()->start().value(),
+                            std::move(pyramid),
+                            cars_on_plates(3),
+                            features::pit(300, features::rolls, 1),
+                            features::pit(300, features::bounces, 1)};
     for (const std::uint32_t workers : {1u, 2u, 5u}) {
         ShuffledTasks tasks(workers, workers);
         for (const World& start : starts) {

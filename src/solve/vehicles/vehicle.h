@@ -22,6 +22,7 @@
 #include "solve/vehicles/vehicle_work.h"
 
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lockstone::solve {
@@ -72,6 +73,9 @@ class VehicleSolver {
     std::span<const Standing> standing() const { return stands; }
     /// True where a convoy of this tick has several vehicles.
     bool has_convoys() const { return convoy_begin.size() < vehicles.size() + 1; }
+    /// The first fault of this tick's plan in a sentence, or nothing: each vehicle is in one convoy, each body is pushed by one convoy, and the vehicles
+    /// of a convoy follow in ascending order. Builds with assertions call it for each plan.
+    std::string order_fault(const SolverBodies& bodies) const;
     /// Fills what prepare() makes anew with a byte.
     void poison(std::byte with);
 

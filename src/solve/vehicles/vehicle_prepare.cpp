@@ -1,6 +1,8 @@
 // The begin of a vehicle's tick in the solver: rows of wheels and bars, shares of the weight, who is solved after whom.
 #include "base/poison.h"
+#include "base/text.h"
 #include "lockstone/math/math.h"
+#include "solve/bodies/solving_order.h"
 #include "solve/vehicles/vehicle.h"
 #include "solve/vehicles/vehicle_lines.h"
 
@@ -244,6 +246,29 @@ void VehicleSolver::find_convoys(const SolverBodies& bodies) {
     convoy_begin.push_back(count);
 }
 
+std::string VehicleSolver::order_fault(const SolverBodies& bodies) const {
+    CheckVector<std::uint32_t> times(vehicles.size());
+    CheckVector<std::uint32_t> pushed_by(bodies.body.size(), no_body); // convoy, by body
+    for (std::uint32_t c = 0; c + 1 < convoy_begin.size(); ++c)
+        for (std::uint32_t i = convoy_begin[c]; i < convoy_begin[c + 1]; ++i) {
+            const Vehicle& v = vehicles[order[i]];
+            ++times[order[i]];
+            if (i > convoy_begin[c] && order[i] < order[i - 1])
+                return base::join("vehicle ", order[i], " follows vehicle ", order[i - 1]);
+            for (std::uint32_t w = 0; w <= v.wheel_count; ++w) { // the last one: the chassis
+                const std::uint32_t body = w < v.wheel_count ? v.wheel[w].ground : v.chassis;
+                if (!bodies.step[body].movable) continue;
+                if (pushed_by[body] != no_body && pushed_by[body] != c)
+                    return base::join("vehicles of convoys ", pushed_by[body], " and ", c, " push body ",
+                                      body);
+                pushed_by[body] = c;
+            }
+        }
+    for (std::uint32_t k = 0; k < times.size(); ++k)
+        if (times[k] != 1) return base::join("vehicle ", k, " is solved ", times[k], " times in a pass");
+    return {};
+}
+
 void VehicleSolver::prepare(std::span<DrivenVehicle> driven, const BodyColumns& columns,
                             const StepConstants& step, const SolverBodies& bodies, Tasks* workers) {
     tasks = workers;
@@ -257,7 +282,7 @@ void VehicleSolver::prepare(std::span<DrivenVehicle> driven, const BodyColumns& 
         DrivenVehicle& d = driven[k];
         Vehicle& v = vehicles[k];
         v.def = d.def, v.input = d.input, v.memory = &d.memory, v.ratio = d.ratio;
-        v.chassis = d.chassis;
+        v.chassis = d.chassis, v.wheel_count = d.def->wheel_count;
         v.mass = columns.mass[v.chassis].mass;
         find_shares(*v.def, columns.mass[v.chassis].center, shares[d.row]);
         Making of{columns, bodies, d, substep, v, {}};
@@ -272,6 +297,10 @@ void VehicleSolver::prepare(std::span<DrivenVehicle> driven, const BodyColumns& 
         prepare_engine(step, v);
     });
     find_convoys(bodies);
+    if constexpr (checks_order) {
+        const std::string fault = order_fault(bodies);
+        LOCKSTONE_ASSERT(fault.empty(), fault);
+    }
 }
 
 void VehicleSolver::poison(std::byte with) {

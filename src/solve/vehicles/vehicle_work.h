@@ -126,6 +126,7 @@ struct Vehicle {
     VehicleInput input;
     VehicleMemory* memory; ///< of the DrivenVehicle
     std::uint32_t chassis; ///< row of the body columns
+    std::uint32_t wheel_count;
     Real mass;
     /// [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
     Real engine_speed, ratio;
