@@ -432,6 +432,20 @@ void fetch_ahead(const Sweeper& s, std::uint32_t row) {
 
 constexpr std::uint32_t sweeps_per_chunk = 16;
 
+/// The pose of a stopped body, and its angular velocity: the same along the axes of the body. Those of the whole turn would have another energy about the
+/// axes that the body has where it was stopped; of a thin body up to thousands of times as much.
+void stop_body(Model& w, const Sweeper& s, std::uint32_t row, const Transform& at) {
+    const Quat meant = s.pose[row].rotation;
+    const BodyTraits& traits = s.mass.traits[s.info[row].traits];
+    const Vec3& radii = traits.mass.gyration;
+    const bool is_round = radii.x == radii.y && radii.y == radii.z;
+    if (at.rotation != meant && !is_round && traits.gyroscopic != 0 && traits.locks == 0) {
+        SpeedVec3& spin = w.state.edit_row(w.m.body_velocity, row).angular;
+        spin = to<Speed>(rotate(normalized(at.rotation * conjugate(meant)), to<Real>(spin)));
+    }
+    w.state.edit_row(w.m.body_pose, row) = at;
+}
+
 /// All that are no bullets. They are swept against static and kinematic bodies alone, whose poses nobody writes here.
 void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> workers, SweepScratch& sweep,
                         Tasks* tasks) {
@@ -455,7 +469,7 @@ void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> work
         std::ranges::any_of(sweep.workers, [](const auto& worker) { return !worker.stopped.empty(); });
     sweep.paths.take(any_stops, base::Path::sweep_stops_none, base::Path::sweep_stops_some);
     for (const SweepScratch::Worker& worker : sweep.workers)
-        for (const StoppedBody& body : worker.stopped) w.state.edit_row(w.m.body_pose, body.row) = body.at;
+        for (const StoppedBody& body : worker.stopped) stop_body(w, s, body.row, body.at);
 }
 
 /// With room for what is usually near, so that the tick in which a body first becomes fast does not allocate.
@@ -498,7 +512,7 @@ void sweep_fast_bodies(Model& w, PlacedShapes& placed, const PosesBefore& before
     for (std::uint32_t row = 0; row < rows; ++row)
         if (s.info[row].kind == BodyKind::dynamic && s.is_bullet(row) && is_to_sweep(s, row, hand))
             if (const std::optional<Transform> stopped = sweep_body(s, row, hand))
-                w.state.edit_row(w.m.body_pose, row) = *stopped;
+                stop_body(w, s, row, *stopped);
 }
 
 } // namespace lockstone::sim

@@ -78,8 +78,11 @@ inline std::shared_ptr<lockstone::shapes::Hull> brute_hull(const std::vector<Gri
         hull->faces.push_back({{as_fixed<Unit>(n.x), as_fixed<Unit>(n.y), as_fixed<Unit>(n.z)},
                                as_fixed<lockstone::Coordinate>(dot(n, p)),
                                static_cast<std::uint16_t>(hull->loops.size()),
-                               3});
+                               3,
+                               0,
+                               0});
         hull->loops.insert(hull->loops.end(), t.begin(), t.end());
+        hull->face_of.push_back(static_cast<std::uint16_t>(hull->faces.size() - 1));
     }
     for (const auto& set : beside) {
         hull->first_neighbour.push_back(static_cast<std::uint16_t>(hull->neighbours.size()));

@@ -1,6 +1,7 @@
 // Checks of fast bodies, bodies far out, heavy loads, waking, the order of contacts, torn joints, and the ground under characters and
 // vehicles.
 #include "checks.h"
+#include "law/zoo/object.h"
 #include "support/rigs/torn_hinge.h"
 
 #include <algorithm>
@@ -263,6 +264,41 @@ std::string passing_is_free() {
     return {};
 }
 
+std::string objects_gain_no_energy() {
+    for (const std::uint64_t seed :
+         {564, 603, 731, 890, 1245, 1429, 1553, 13126, 13722, 14674, 16099, 17523, 10637}) {
+        const zoo::Drop drop = zoo::draw_drop(seed);
+        if (std::string found = zoo::energy_fault(drop, zoo::play(drop)); !found.empty())
+            return drop.about() + ": " + found;
+    }
+    return {};
+}
+
+std::string flat_prisms_rest() {
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+        const zoo::Drop drop = zoo::draw_flat_prism(seed);
+        if (std::string found = zoo::rest_fault(drop, zoo::play(drop)); !found.empty())
+            return drop.about() + ": " + found;
+    }
+    return {};
+}
+
+std::string lumpy_objects_rest() {
+    for (const std::uint64_t seed : {33, 376, 386, 439, 559, 579, 700, 1467, 2101, 2105, 2280}) {
+        const zoo::Drop drop = zoo::draw_drop(seed);
+        if (std::string found = zoo::rest_fault(drop, zoo::play(drop)); !found.empty())
+            return drop.about() + ": " + found;
+    }
+    return {};
+}
+
+std::string beams_rest() {
+    for (const double length : {0.5, 2.0, 4.4, 8.0})
+        for (const bool precise : {false, true})
+            if (std::string found = zoo::beam_fault({length, 0, 0.6, precise}); !found.empty()) return found;
+    return {};
+}
+
 } // namespace
 
 Checks motion_checks() {
@@ -281,6 +317,10 @@ Checks motion_checks() {
             {"fast hinges count their turns", fast_hinges_count},
             {"conveyors carry characters", conveyors_carry},
             {"cars on cylinders park", cars_park},
+            {"objects gain no energy", objects_gain_no_energy},
+            {"flat prisms rest", flat_prisms_rest},
+            {"lumpy objects rest", lumpy_objects_rest},
+            {"beams rest", beams_rest},
             {"what passes is not run into", passing_is_free}};
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 namespace lockstone::collide {
 namespace {
@@ -92,9 +93,13 @@ Facing facing_of_hull(const Convex& shape, const Long3& direction, std::uint32_t
 void fill_hull_face(const Convex& shape, SupportingFace& face) {
     const shapes::Hull& hull = *shape.hull;
     const shapes::Hull::Face& f = hull.faces[face.id - 1];
-    const int kept = f.count < SupportingFace::corners_max ? f.count : SupportingFace::corners_max;
-    for (int k = 0; k < kept; ++k) { // of a face with too many corners, some spread evenly
-        const std::uint32_t id = hull.loops[static_cast<std::size_t>(f.first + k * f.count / kept)];
+    // The patch, not the face alone: where facets nearly lie in a plane, the body would tip from one to the other, and sink.
+    const auto outline = f.patch_count == 0 ? std::span(hull.loops).subspan(f.first, f.count)
+                                            : std::span(hull.patches).subspan(f.patch_first, f.patch_count);
+    const std::size_t count = outline.size(),
+                      kept = std::min(count, std::size_t{SupportingFace::corners_max});
+    for (std::size_t k = 0; k < kept; ++k) { // of a face with too many corners, some spread evenly
+        const std::uint32_t id = outline[k * count / kept];
         face.corners_30[face.count] = corner_of(shape, id);
         face.ids[face.count++] = id;
     }

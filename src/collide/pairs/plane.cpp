@@ -3,7 +3,31 @@
 #include "collide/pairs/box_box.h"
 #include "collide/pairs/pairs.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace lockstone::collide {
+
+namespace {
+
+/// A corner within the outline of a patch may be the lowest: it takes the place of the nearest point.
+void add_furthest(const SupportPoint& furthest, SupportingFace& face, std::int64_t height_30,
+                  ClipPoint (&points)[SupportingFace::corners_max], int& count) {
+    if (std::find(face.ids, face.ids + face.count, furthest.id) != face.ids + face.count) return;
+    const int at = face.count < SupportingFace::corners_max ? face.count : face.count - 1;
+    const Long3& c = furthest.at_30;
+    int nearest = 0;
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    for (int k = 0; k < count; ++k) {
+        const std::int64_t off = absolute(points[k].p - c[0]) + absolute(points[k].q - c[2]);
+        if (off < least || points[k].line_in == at) nearest = k, least = points[k].line_in == at ? -1 : off;
+    }
+    if (count < 4 && least >= 0) nearest = count++;
+    face.corners_30[at] = c, face.ids[at] = furthest.id;
+    points[nearest] = {c[0], c[2], height_30 + c[1], static_cast<std::uint8_t>(at), 0};
+}
+
+} // namespace
 
 void collide_plane(const shapes::Solid& b, const RelativePose& pose, Length margin, Manifold& out) {
     const Convex shape = convex_of(b, pose.rotation, CoordinateVec3{}); // seen from its own origin
@@ -12,10 +36,11 @@ void collide_plane(const shapes::Solid& b, const RelativePose& pose, Length marg
     out.normal = {Unit{}, unit_one, Unit{}};
     out.on_face = has_discs(shape) ? 0 : 1;
     const bool is_ball = shape.core == Convex::Core::point;
-    if (height_30 + (is_ball ? 0 : support(shape, down).at_30[1]) > up(margin.raw, 6)) return;
+    const SupportPoint furthest = is_ball ? SupportPoint{} : support(shape, down);
+    if (height_30 + furthest.at_30[1] > up(margin.raw, 6)) return;
     if (is_ball)
         return add_point(out, {0, -up(shape.radius.raw, 6) - (height_30 >> 1), 0}, height_30, margin, 1);
-    const SupportingFace face = supporting_face(shape, down);
+    SupportingFace face = supporting_face(shape, down);
     ClipPoint points[SupportingFace::corners_max];
     int count = 0;
     for (int k = 0; k < face.count; ++k) {
@@ -25,6 +50,7 @@ void collide_plane(const shapes::Solid& b, const RelativePose& pose, Length marg
             points[count++] = {c[0], c[2], separation, static_cast<std::uint8_t>(k), 0};
     }
     count = reduce_points(points, count);
+    if (shape.core == Convex::Core::hull) add_furthest(furthest, face, height_30, points, count);
     for (int k = 0; k < count; ++k) {
         const ClipPoint& p = points[k];
         const std::int64_t lowest = face.corners_30[p.line_in][1] - up(shape.radius.raw, 6);

@@ -39,6 +39,9 @@ struct Hull {
         UnitVec3 normal;            ///< outward
         Coordinate offset;          ///< the greatest n . x of the hull: all of it is at n . x <= offset
         std::uint16_t first, count; ///< its corners in `loops`, counter-clockwise seen from outside
+        /// Its patch in `patches`: seen along the normal, the outline of all corners that are below the face by no more than `patch_depth`. Empty where
+        /// these are the corners of the face, as those of most faces are.
+        std::uint32_t patch_first, patch_count;
     };
     struct Edge {
         std::uint8_t from, to;     ///< vertices; `left` is the face that has the edge in this direction
@@ -47,13 +50,15 @@ struct Hull {
     std::vector<LengthVec3> vertices;                   ///< every one a corner
     std::vector<std::array<std::uint8_t, 3>> triangles; ///< the exact surface
     std::vector<Face> faces;
-    std::vector<std::uint8_t> loops;            ///< vertex indices
+    std::vector<std::uint16_t> face_of;         ///< by triangle
+    std::vector<std::uint8_t> loops, patches;   ///< vertex indices
     std::vector<Edge> edges;                    ///< between different faces, each once
     std::vector<std::uint16_t> first_neighbour; ///< by vertex, vertices + 1 entries: range in `neighbours`
     /// Vertices that share an edge of the exact surface, ascending: for hill climbing
     std::vector<std::uint8_t> neighbours;
     std::vector<std::uint16_t> first_face_at; ///< by vertex, vertices + 1 entries: range in `faces_at`
-    std::vector<std::uint16_t> faces_at;      ///< the faces that have it as a corner, ascending
+    /// The faces that have it as a corner, also within their outline; ascending
+    std::vector<std::uint16_t> faces_at;
     /// The vertices side by side, filled up with the first: support_kernel.h
     std::vector<std::int32_t> lanes;
     LengthVec3 interior;       ///< a point well inside: the centre of mass, rounded

@@ -116,6 +116,7 @@ Result<Hull> make_hull(std::span<const LengthVec3> points) {
     hull.properties = {unscaled<Real>(mass.volume), mass.center, mass.gyration_squared};
     hull.interior = to<Length>(mass.center);
     hull.inner_radius = inner_radius_of(hull);
+    find_patches(hull);
     return hull;
 }
 

@@ -11,10 +11,14 @@ namespace lockstone::shapes {
 /// are thinner than 2 * shape_size_min across one of their triangles.
 Result<Hull> make_hull(std::span<const LengthVec3> points);
 
-/// Fills `faces`, `loops` and `edges` from `vertices`, `triangles` and `extent`. `thickness`: the least across a triangle.
+/// Fills `faces`, `face_of`, `loops` and `edges` from `vertices`, `triangles` and `extent`. `thickness`: the least across a triangle.
 /// Neighbouring facets become one face where all their corners lie within `face_tolerance` of one facet's plane.
 void find_faces(Hull& hull, Length thickness);
-/// Fills `first_face_at`, `faces_at` and `lanes` from `vertices` and faces.
+/// Fills the patches of faces, from `faces`, `vertices` and `inner_radius`.
+void find_patches(Hull& hull);
+/// The depth of a patch: a 32nd of the inner radius, at most 0.49 mm. A corner within the outline may be below it by as much.
+Length patch_depth(const Hull& hull);
+/// Fills `first_face_at`, `faces_at` and `lanes` from `vertices`, `triangles` and `face_of`.
 void index_corners(Hull& hull);
 /// 2^-12 of the hull's size, at least 4 steps, at most an eighth of its thickness.
 Length face_tolerance(const Hull& hull, Length thickness);

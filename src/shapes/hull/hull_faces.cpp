@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 namespace lockstone::shapes {
 namespace {
@@ -44,6 +45,8 @@ class FaceFinder {
             add_face();
         }
         find_edges();
+        hull.face_of.clear();
+        for (const std::uint16_t facet : facet_of) hull.face_of.push_back(face_of[facet]);
     }
 
   private:
@@ -231,6 +234,68 @@ class FaceFinder {
 
 void find_faces(Hull& hull, Length thickness) { FaceFinder(hull, thickness).run(); }
 
+Length patch_depth(const Hull& hull) {
+    return Length::from_raw(std::min(hull.inner_radius.raw >> 5, 1 << 13));
+}
+
+namespace {
+
+/// The outline of corners seen along a normal, counter-clockwise: their convex hull without the axis that the normal is longest along.
+std::vector<std::uint8_t> outline_of(const Hull& hull, UnitVec3 normal, std::vector<std::uint8_t> corners) {
+    int drop = 0;
+    for (int i = 1; i < 3; ++i)
+        if (abs(normal[i]) > abs(normal[drop])) drop = i;
+    int u = (drop + 1) % 3, v = (drop + 2) % 3;
+    if (normal[drop] < Unit{}) std::swap(u, v);
+    const auto at = [&](std::uint8_t corner, int axis) {
+        return std::int64_t{hull.vertices[corner][axis].raw};
+    };
+    std::ranges::sort(corners, [&](std::uint8_t a, std::uint8_t b) {
+        return std::tuple(at(a, u), at(a, v), a) < std::tuple(at(b, u), at(b, v), b);
+    });
+    const auto turns_left = [&](std::uint8_t a, std::uint8_t b, std::uint8_t c) {
+        const Wide cross = Wide::product(at(b, u) - at(a, u), at(c, v) - at(a, v)) -
+                           Wide::product(at(b, v) - at(a, v), at(c, u) - at(a, u));
+        return !cross.is_negative() && !(cross == Wide::from(0));
+    };
+    std::vector<std::uint8_t> outline;
+    for (int side = 0; side < 2; ++side) {
+        const std::size_t begin = outline.size();
+        for (const std::uint8_t corner : corners) {
+            while (outline.size() >= begin + 2 &&
+                   !turns_left(outline[outline.size() - 2], outline.back(), corner))
+                outline.pop_back();
+            outline.push_back(corner);
+        }
+        outline.pop_back(); // it begins the other side
+        std::ranges::reverse(corners);
+    }
+    return outline;
+}
+
+} // namespace
+
+void find_patches(Hull& hull) {
+    const std::int64_t depth_54 = std::int64_t{patch_depth(hull).raw} << Unit::fraction_bits;
+    hull.patches.clear();
+    for (Hull::Face& face : hull.faces) {
+        face.patch_first = face.patch_count = 0;
+        const std::int64_t least = reach_along(hull.vertices, face.normal).high_54 - depth_54;
+        std::vector<std::uint8_t> corners;
+        for (std::size_t v = 0; v < hull.vertices.size(); ++v)
+            if (reach_along(std::span(&hull.vertices[v], 1), face.normal).high_54 >= least)
+                corners.push_back(static_cast<std::uint8_t>(v));
+        const auto own = std::span(hull.loops).subspan(face.first, face.count);
+        if (std::ranges::all_of(corners, [&](auto v) { return std::ranges::find(own, v) != own.end(); }))
+            continue;
+        const std::vector<std::uint8_t> outline = outline_of(hull, face.normal, std::move(corners));
+        if (outline.size() < 3) continue;
+        face.patch_first = static_cast<std::uint32_t>(hull.patches.size());
+        face.patch_count = static_cast<std::uint32_t>(outline.size());
+        hull.patches.insert(hull.patches.end(), outline.begin(), outline.end());
+    }
+}
+
 void index_corners(Hull& hull) {
     const std::size_t count = hull.vertices.size(),
                       stride = (count + corner_block - 1) / corner_block * corner_block;
@@ -238,12 +303,16 @@ void index_corners(Hull& hull) {
     for (int axis = 0; axis < 3; ++axis)
         for (std::size_t v = 0; v < stride; ++v)
             hull.lanes.push_back(hull.vertices[v < count ? v : 0][axis].raw);
+    // By the triangles, not by the outlines: a corner within a merged face is in no outline, and yet it may be the furthest corner.
     hull.first_face_at.assign(1, 0);
+    std::vector<std::uint8_t> is_at(hull.faces.size());
     for (std::size_t v = 0; v < count; ++v) {
-        for (std::size_t f = 0; f < hull.faces.size(); ++f) {
-            const auto first = hull.loops.begin() + hull.faces[f].first, last = first + hull.faces[f].count;
-            if (std::find(first, last, v) != last) hull.faces_at.push_back(static_cast<std::uint16_t>(f));
-        }
+        is_at.assign(hull.faces.size(), 0);
+        for (std::size_t t = 0; t < hull.triangles.size(); ++t)
+            if (std::ranges::find(hull.triangles[t], v) != hull.triangles[t].end())
+                is_at[hull.face_of[t]] = 1;
+        for (std::size_t f = 0; f < hull.faces.size(); ++f)
+            if (is_at[f] != 0) hull.faces_at.push_back(static_cast<std::uint16_t>(f));
         hull.first_face_at.push_back(static_cast<std::uint16_t>(hull.faces_at.size()));
     }
 }

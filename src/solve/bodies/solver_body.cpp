@@ -381,6 +381,14 @@ static std::int64_t spin_most(const StepConstants& step) {
     return (std::int64_t{step.ticks_per_second} * tick_turn_most) << spin_bits;
 }
 
+/// Shortened where a component has no room: cut one by one, they would turn the spin of a thin body about its long axis partly into spin across it.
+static SpeedVec3 spin_within(Vec3 spin) {
+    constexpr Real most = Real(4095);
+    const Vec3 size = abs(spin);
+    const Real largest = max(size.x, max(size.y, size.z));
+    return to<Speed>(largest > most ? scale<Real>(spin, most / largest) : spin);
+}
+
 /// Replaces turn() where rounds of the midpoint rule do not converge: a body that is thin, or spins fast. The direction of the
 /// turn adds no energy to the impulses of the tick.
 static void turn_far(const StepConstants& step, const Momentum& momentum, Quat principal, const SolverBody& b,
@@ -398,7 +406,7 @@ static void turn_far(const StepConstants& step, const Momentum& momentum, Quat p
         pose.rotation = turn.turned(from, mean, rate);
         last = turn.with_energy(turn.energy(from, last), pose.rotation, last, FreeTurn::Keep::not_above);
     }
-    velocity.angular = to<Speed>(turn.spin_at(pose.rotation, last));
+    velocity.angular = spin_within(turn.spin_at(pose.rotation, last));
 }
 
 /// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
@@ -415,7 +423,7 @@ static void turn(const BodyTraits& traits, const StepConstants& step, const Solv
     const Vec3 w = over_gyration<Real>(s, u);
     if (!gyroscopic || !turns) {
         pose.rotation = integrate_rotation(pose.rotation, rotation);
-        velocity.angular = to<Speed>(masked(w, s.angular_mask));
+        velocity.angular = spin_within(masked(w, s.angular_mask));
         return;
     }
     const Momentum momentum(s, u, traits.mass.principal);
@@ -439,7 +447,7 @@ static void turn(const BodyTraits& traits, const StepConstants& step, const Solv
         const Vec3 middle = momentum.spin_at(integrate_rotation(pose.rotation, halved(rotation)));
         pose.rotation = integrate_rotation(pose.rotation, rotation + in_a_tick(middle - w, step));
     }
-    velocity.angular = to<Speed>(momentum.spin_at(pose.rotation));
+    velocity.angular = spin_within(momentum.spin_at(pose.rotation));
 }
 
 /// Returns how many components met the end of their range.

@@ -111,6 +111,21 @@ template <class L> class PrepareKernel {
             L::store32(out[i], negative ? L::sub(L::splat(0), x) : x);
         }
     }
+    /// The largest component of K^-1 r, not limited; a lane that does not turn has 0.
+    static void find_largest(const Turner& t, const Length (&r)[3], std::int64_t (&out)[N]) {
+        constexpr int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+        for (int i = 0; i < 3; ++i) {
+            V sum = t.half;
+            for (int k = 0; k < 3; ++k)
+                sum = L::add(sum, L::mul(t.side.inverse[at[i][k]], L::both(r[k].raw, t.side.turns[k])));
+            std::int64_t entry[N];
+            L::store64(entry, L::shift_right_by(sum, t.side.shift));
+            for (unsigned lane = 0; lane < N; ++lane) {
+                const std::int64_t size = entry[lane] < 0 ? -entry[lane] : entry[lane];
+                if (size > out[lane]) out[lane] = size;
+            }
+        }
+    }
     /// x cross y; y is a direction.
     static void cross(const Length (&x)[3], const Unit (&y)[3], Length (&out)[3]) {
         for (int i = 0; i < 3; ++i) {
@@ -408,6 +423,43 @@ template <class L> class PrepareKernel {
         }
     }
 
+    /// The patch of a long body, such as a beam, is narrow across its longest arm, and the body turns easily about that arm: the row of that tilt would
+    /// leave its range, and the fit would take the members for a line. Without an answer to rolling over, a beam rocks without end. So the unit of
+    /// the arms across is shortened by a power of two, until the row is within 2 or the arms fill their range.
+    static void widen(const Input& in, int points, Layout& l) {
+        constexpr int narrow_bits = unit_bits - 2;
+        std::int64_t across[4][N];
+        int up[N];
+        bool any = false;
+        for (int k = 0; k < points; ++k) l.arm[1][k].store64(across[k]);
+        for (unsigned lane = 0; lane < N; ++lane) {
+            std::int64_t widest = 0;
+            for (int k = 0; k < points; ++k)
+                widest |= across[k][lane] < 0 ? -across[k][lane] : across[k][lane];
+            const int bits = 64 - std::countl_zero(static_cast<std::uint64_t>(widest));
+            up[lane] = widest == 0 || bits > narrow_bits ? 0 : unit_bits - bits;
+            any = any || up[lane] != 0;
+        }
+        if (!any) return;
+        std::int64_t row[N] = {};
+        Length r[3];
+        cross(l.along[1], in.d[0], r);
+        find_largest(Turner(in.a), r, row), find_largest(Turner(in.b), r, row);
+        for (unsigned lane = 0; lane < N; ++lane) {
+            const int by_row = 64 - std::countl_zero(static_cast<std::uint64_t>(row[lane])) - (row_bits + 1);
+            up[lane] = by_row < 0 ? 0 : up[lane] < by_row ? up[lane] : by_row;
+            for (int k = 0; k < points; ++k) across[k][lane] *= std::int64_t{1} << up[lane];
+        }
+        for (int k = 0; k < points; ++k) l.arm[1][k] = Sum<unit_bits>::from_lanes(across[k]);
+        for (int i = 0; i < 3; ++i) {
+            std::int32_t along[N];
+            l.along[1][i].store(along);
+            for (unsigned lane = 0; lane < N; ++lane)
+                if (up[lane] != 0) along[lane] = (along[lane] + (1 << (up[lane] - 1))) >> up[lane];
+            l.along[1][i] = Length::load(along);
+        }
+    }
+
     // ---- the steps --------------------------------------------------------------------------------------------------
 
     /// What a step leaves to the next one.
@@ -422,6 +474,7 @@ template <class L> class PrepareKernel {
         Input::read(source, points, w.in);
         find_tangents(c, w.in);
         LayoutKernel<L>::lay_out(w.in, points, w.layout);
+        if (points > 1) widen(w.in, points, w.layout);
         w.layout.size.store(c.size);
         LayoutKernel<L>::fit_members(c, points, w.layout, w.gram);
     }

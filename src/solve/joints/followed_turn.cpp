@@ -189,6 +189,15 @@ bool is_gyroscope(const BodyColumns& columns, std::uint32_t row, const BodyStep&
     return s.turn == 0 && columns.traits(row).gyroscopic != 0 && s.angular_mask == 7u;
 }
 
+/// A body with a radius of gyration beyond so many times another one is thin. The rows of contacts have the arms of the start of the tick: while a thin body
+/// is followed, an impulse that was across its long axis at the start soon has a part along that axis, and spins the body by the square of this
+/// number. A pole gained a thousand times its energy. Unless joints hold it, a thin body is turned after the tick, which adds no energy.
+constexpr int thin_ratio = 4;
+
+bool is_thin(Vec3 radii) {
+    return max(radii.x, max(radii.y, radii.z)) > min(radii.x, min(radii.y, radii.z)) * thin_ratio;
+}
+
 template <class T> using Lanes = FollowedFour::Lanes<T>;
 
 /// x / 2^drop rounded, of |x| below 2^62; of a negative drop times a power of two.
@@ -394,7 +403,8 @@ void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverB
     for (std::uint32_t row = 0; row < count; ++row) {
         if (!far_for_joints(columns.velocity[row])) continue; // most do not: their steps are not looked at
         const BodyStep& s = bodies.step[row];
-        if ((s.jointed || far(columns.velocity[row])) && is_gyroscope(columns, row, s)) follow(row, bodies);
+        if (!is_gyroscope(columns, row, s)) continue;
+        if (s.jointed || (far(columns.velocity[row]) && !is_thin(s.radii))) follow(row, bodies);
     }
     while (bodies.turns.size() % followed_lanes != 0) { // lanes that are not used stand still
         bodies.fours.back().row[bodies.turns.size() % followed_lanes] = bodies.still();

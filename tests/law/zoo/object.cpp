@@ -1,0 +1,412 @@
+#include "law/zoo/object.h"
+
+#include "lockstone/math/convert.h"
+#include "lockstone/math/math.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace lockstone::zoo {
+
+namespace {
+
+using D3 = std::array<double, 3>;
+using test::SplitMix;
+
+constexpr double pi = 3.14159265358979323846;
+
+double unit(SplitMix& random) { return static_cast<double>(random.next() >> 11) * 0x1p-53; }
+double between(SplitMix& random, double low, double high) { return low + (high - low) * unit(random); }
+/// Each power of two is as likely.
+double log_between(SplitMix& random, double low, double high) {
+    return low * std::pow(high / low, unit(random));
+}
+Real real(double x) { return quantize<Real>(x); }
+Vec3 vec(double x, double y, double z) { return {real(x), real(y), real(z)}; }
+LengthVec3 length_vec(const D3& p) {
+    return {quantize<Length>(p[0]), quantize<Length>(p[1]), quantize<Length>(p[2])};
+}
+D3 to_double3(Vec3 v) { return {to_double(v.x), to_double(v.y), to_double(v.z)}; }
+D3 direction(SplitMix& random) {
+    const double y = between(random, -1, 1), turn = between(random, 0, 2 * pi), r = std::sqrt(1 - y * y);
+    return {r * std::cos(turn), y, r * std::sin(turn)};
+}
+Quat any_turn(SplitMix& random) {
+    const D3 axis = direction(random);
+    const double half = between(random, 0, pi);
+    return normalized(quantize_quat(
+        {axis[0] * std::sin(half), axis[1] * std::sin(half), axis[2] * std::sin(half), std::cos(half)}));
+}
+
+void add_disc(Object& o, double radius, double y) {
+    for (int k = 0; k < 64; ++k)
+        o.corners.push_back({radius * std::cos(2 * pi * k / 64), y, radius * std::sin(2 * pi * k / 64)});
+}
+
+/// An outline of some corners, above and below, and some more within it.
+std::vector<D3> prism(SplitMix& random, double a, double h, double b, double flatness) {
+    std::vector<D3> points;
+    const std::uint32_t corners = 3 + random.below(9), inner = random.below(3) == 0 ? 0 : random.below(8);
+    for (const double side : {-1.0, 1.0}) {
+        for (std::uint32_t k = 0; k < corners; ++k) {
+            const double turn = 2 * pi * k / corners;
+            points.push_back({a * std::cos(turn), side * (h - flatness * unit(random)), b * std::sin(turn)});
+        }
+        for (std::uint32_t k = 0; k < inner; ++k) {
+            const double turn = 2 * pi * unit(random), out = 0.7 * unit(random);
+            points.push_back({a * out * std::cos(turn), side * (h + flatness * unit(random) * (1 - out)),
+                              b * out * std::sin(turn)});
+        }
+    }
+    return points;
+}
+
+bool bake(Object& o, const std::vector<D3>& points) {
+    std::vector<LengthVec3> fixed;
+    for (const D3& p : points) fixed.push_back(length_vec(p));
+    const Result<AssetBytes> bytes = bake_hull(fixed);
+    if (!bytes) return false;
+    o.geometry = instance(ShapeKind::hull, o.assets->add(*bytes).value());
+    o.corners.clear();
+    for (const LengthVec3& p : fixed) o.corners.push_back({to_double(p.x), to_double(p.y), to_double(p.z)});
+    return true;
+}
+
+std::string in_text(const char* format, double a, double b = 0, double c = 0) {
+    char text[160];
+    std::snprintf(text, sizeof text, format, a, b, c);
+    return text;
+}
+
+void draw_round(SplitMix& random, Object& o, double large, double small) {
+    o.rolls = true;
+    const bool is_long = random.below(2) == 0;
+    switch (random.below(4)) {
+    case 0:
+        o.geometry = sphere(real(small / 2));
+        o.corners = {{0, 0, 0}}, o.radius = small / 2;
+        o.about = in_text("ball of radius %.4g m", small / 2);
+        break;
+    case 1:
+        o.geometry = capsule(real(small / 2), real(large / 2));
+        o.corners = {{0, -large / 2, 0}, {0, large / 2, 0}}, o.radius = small / 2;
+        o.about = in_text("capsule of radius %.4g m, segment %.4g m", small / 2, large);
+        break;
+    case 2: {
+        const double r = (is_long ? small : large) / 2, h = (is_long ? large : small) / 2;
+        o.geometry = cylinder(real(r), real(h));
+        add_disc(o, r, -h), add_disc(o, r, h);
+        o.about = in_text("cylinder of radius %.4g m, height %.4g m", r, 2 * h);
+        break;
+    }
+    default: {
+        const double r = (is_long ? small : large) / 2, h = (is_long ? large : small) / 2;
+        o.geometry = cone(real(r), real(h));
+        add_disc(o, r, -h), o.corners.push_back({0, h, 0});
+        o.about = in_text("cone of radius %.4g m, height %.4g m", r, 2 * h);
+        break;
+    }
+    }
+}
+
+std::shared_ptr<AssetLibrary> floor_assets(AssetId& mesh, AssetId& field, AssetId& hull) {
+    auto library = std::make_shared<AssetLibrary>();
+    std::vector<Vec3> vertices;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    constexpr std::uint32_t cells = 16;
+    for (std::uint32_t j = 0; j <= cells; ++j)
+        for (std::uint32_t i = 0; i <= cells; ++i) vertices.push_back(vec(10.0 * i - 80, 0, 10.0 * j - 80));
+    for (std::uint32_t j = 0; j < cells; ++j)
+        for (std::uint32_t i = 0; i < cells; ++i) {
+            const std::uint32_t a = j * (cells + 1) + i, b = a + 1, c = a + cells + 1, d = c + 1;
+            triangles.push_back({a, c, b}), triangles.push_back({b, c, d});
+        }
+    mesh = library->add(bake_mesh({.vertices = vertices, .triangles = triangles})).value();
+    const std::vector<Length> heights(33 * 33);
+    field =
+        library->add(bake_height_field({.columns = 33, .rows = 33, .spacing = Length(5), .heights = heights}))
+            .value();
+    std::vector<LengthVec3> corners;
+    for (const double y : {-4.0, 0.0})
+        for (int k = 0; k < 12; ++k)
+            corners.push_back(length_vec({80 * std::cos(pi * k / 6), y, 80 * std::sin(pi * k / 6)}));
+    hull = library->add(bake_hull(corners)).value();
+    return library;
+}
+
+void add_floor(World& w, const Drop& drop, Vec3 offset) {
+    AssetId mesh, field, hull;
+    (void)floor_assets(mesh, field, hull);
+    const auto add = [&](Geometry geometry, Vec3 at) {
+        const BodyId body =
+            w.create_body({.kind = BodyKind::static_, .pose = {at + offset, Quat::identity()}}).value();
+        (void)w.create_shape(body, {.geometry = geometry}).value();
+        return body;
+    };
+    switch (drop.floor) {
+    case Floor::plane:
+        add(plane(), {});
+        break;
+    case Floor::box:
+        add(box(Real(80), Real(2), Real(80)), {Real{}, Real(-2), Real{}});
+        break;
+    case Floor::seam: // two boxes side by side
+        add(box(Real(40), Real(2), Real(80)), {Real(-40), Real(-2), Real{}});
+        add(box(Real(40), Real(2), Real(80)), {Real(40), Real(-2), Real{}});
+        break;
+    case Floor::parts: { // two shapes of one body
+        const BodyId body = add(box(Real(30), Real(2), Real(80)), {Real(-30), Real(-2), Real{}});
+        (void)w
+            .create_shape(body, {.geometry = box(Real(30), Real(2), Real(80)),
+                                 .local = {{Real(60), Real{}, Real{}}, Quat::identity()}})
+            .value();
+        break;
+    }
+    case Floor::hull:
+        add(instance(ShapeKind::hull, hull), {});
+        break;
+    case Floor::mesh:
+        add(instance(ShapeKind::mesh, mesh), {});
+        break;
+    case Floor::height_field:
+        add(instance(ShapeKind::height_field, field), {Real(-80), Real{}, Real(-80)});
+        break;
+    }
+}
+
+/// Heights of the object's lowest point and of its centre of mass; the speed of its fastest point; energy per mass. Steps of a length h keep
+/// v^2 / 2 + g y - g h v_y / 2 while a body falls, and not v^2 / 2 + g y (semi-implicit Euler), so the energy is that.
+struct Reading {
+    double lowest, centre, fastest, energy, rising; ///< rising: speed of the centre upwards
+};
+Reading read(const World& w, BodyId body, const Object& o, const D3& gyration_squared, Quat principal) {
+    const double step = 1.0 / (w.def().tick_rate * w.def().substeps);
+    const Transform pose = w.pose(body);
+    const Rotation turn = to_rotation(pose.rotation);
+    const D3 x = {to_double(turn.x.x), to_double(turn.x.y), to_double(turn.x.z)},
+             y = {to_double(turn.y.x), to_double(turn.y.y), to_double(turn.y.z)},
+             z = {to_double(turn.z.x), to_double(turn.z.y), to_double(turn.z.z)};
+    const D3 centre = to_double3(w.center_of_mass(body)), at = to_double3(pose.position),
+             v = to_double3(w.linear_velocity(body)), spin = to_double3(w.angular_velocity(body));
+    Reading r{1e9, centre[1], 0, 0, v[1]};
+    for (const D3& c : o.corners) {
+        D3 p;
+        for (int i = 0; i < 3; ++i)
+            p[static_cast<std::size_t>(i)] =
+                at[static_cast<std::size_t>(i)] + x[static_cast<std::size_t>(i)] * c[0] +
+                y[static_cast<std::size_t>(i)] * c[1] + z[static_cast<std::size_t>(i)] * c[2];
+        r.lowest = std::min(r.lowest, p[1] - o.radius);
+        const D3 arm = {p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
+        const D3 s = {v[0] + spin[1] * arm[2] - spin[2] * arm[1], v[1] + spin[2] * arm[0] - spin[0] * arm[2],
+                      v[2] + spin[0] * arm[1] - spin[1] * arm[0]};
+        r.fastest = std::max(r.fastest, std::sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]));
+    }
+    const Rotation axes = to_rotation(normalized(pose.rotation * principal));
+    double turning = 0;
+    int i = 0;
+    for (const UnitVec3 a : {axes.x, axes.y, axes.z}) {
+        const double along = spin[0] * to_double(a.x) + spin[1] * to_double(a.y) + spin[2] * to_double(a.z);
+        turning += gyration_squared[static_cast<std::size_t>(i++)] * along * along;
+    }
+    r.energy =
+        9.81 * (centre[1] - 0.5 * step * v[1]) + 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + turning);
+    return r;
+}
+
+} // namespace
+
+const char* name_of(Floor floor) {
+    constexpr const char* names[floor_count] = {"plane", "box",  "seam",        "parts",
+                                                "hull",  "mesh", "height field"};
+    return names[static_cast<int>(floor)];
+}
+
+Object draw_prism(SplitMix& random, double large, double small, double middle, double flatness) {
+    Object o;
+    AssetId mesh, field, hull;
+    o.assets = floor_assets(mesh, field, hull);
+    o.size = large, o.thickness = small, o.flatness = flatness;
+    while (!bake(o, prism(random, large / 2, small / 2, middle / 2, flatness))) {}
+    o.about = in_text("prism of %.4g x %.4g x %.4g m", large, small, middle) +
+              in_text(", sides flat to %.3g um", flatness * 1e6);
+    return o;
+}
+
+Object draw_object(SplitMix& random) {
+    for (;;) {
+        Object o;
+        AssetId mesh, field, hull;
+        o.assets = floor_assets(mesh, field, hull);
+        const double large = log_between(random, 0.02, 20);
+        const double least = std::max(0.0101, large / 500);
+        const double small = log_between(random, least, std::max(least, large)),
+                     middle = log_between(random, small, std::max(small, large));
+        o.size = large, o.thickness = small;
+        switch (random.below(8)) {
+        case 0:
+        case 1:
+            draw_round(random, o, large, small);
+            break;
+        case 2:
+        case 3: {
+            o.geometry = box(real(large / 2), real(small / 2), real(middle / 2));
+            for (int k = 0; k < 8; ++k)
+                o.corners.push_back({(k & 1 ? 1 : -1) * large / 2, (k & 2 ? 1 : -1) * small / 2,
+                                     (k & 4 ? 1 : -1) * middle / 2});
+            o.about = in_text("box of %.4g x %.4g x %.4g m", large, small, middle);
+            break;
+        }
+        case 4: { // any points
+            std::vector<D3> points;
+            for (std::uint32_t k = 4 + random.below(60); k > 0; --k) {
+                const D3 d = direction(random);
+                points.push_back({d[0] * large / 2, d[1] * small / 2, d[2] * middle / 2});
+            }
+            if (!bake(o, points)) continue;
+            o.about = in_text("hull of points on an ellipsoid of %.4g x %.4g x %.4g m", large, small, middle);
+            o.rolls = true;
+            break;
+        }
+        default:
+            o = draw_prism(random, large, small, middle,
+                           random.below(4) == 0 ? 0 : std::min(log_between(random, 1e-7, 1e-3), small / 20));
+            break;
+        }
+        if (validate(o.geometry).empty()) return o;
+    }
+}
+
+std::string Drop::about() const {
+    const D3 v = to_double3(velocity), w = to_double3(spin), at = to_double3(pose.position);
+    return "seed " + std::to_string(seed) + ": " + object.about + ", " + in_text("%.4g kg/m^3, ", density) +
+           "on a " + name_of(floor) + in_text(" from %.4g m", at[1]) +
+           in_text(", v %.3g %.3g %.3g m/s", v[0], v[1], v[2]) +
+           in_text(", w %.3g %.3g %.3g rad/s", w[0], w[1], w[2]) + ", " + std::to_string(def.tick_rate) +
+           " Hz, " + std::to_string(def.substeps) + " substeps";
+}
+
+Drop draw_drop(std::uint64_t seed) {
+    SplitMix random(seed * 0x9e3779b97f4a7c15u + 1);
+    Drop d;
+    d.seed = seed;
+    d.object = draw_object(random);
+    d.floor = static_cast<Floor>(random.below(floor_count));
+    d.def = random.below(3) == 0 ? WorldDef::precise() : WorldDef{};
+    constexpr std::uint32_t rates[] = {30, 60, 60, 120};
+    d.def.tick_rate = rates[random.below(4)];
+    d.def.bodies_max = d.def.shapes_max = 16, d.def.contacts_max = 256;
+    d.density = log_between(random, 200, 8000);
+    const Quat turn = random.below(4) == 0 ? Quat::identity() : any_turn(random);
+    const double reach = 0.5 * std::sqrt(3.0) * d.object.size + d.object.radius;
+    const double above = random.below(3) == 0 ? 0.001 : log_between(random, 0.01, 6);
+    d.pose = {vec(between(random, -1, 1), reach + above, between(random, -1, 1)), turn};
+    const bool is_thrown = random.below(3) == 0;
+    if (is_thrown) {
+        const D3 way = direction(random);
+        const double speed = log_between(random, 0.1, 10);
+        d.velocity = vec(speed * way[0], -std::abs(speed * way[1]), speed * way[2]);
+        const D3 about = direction(random);
+        const double spin = log_between(random, 0.1, 30);
+        d.spin = vec(spin * about[0], spin * about[1], spin * about[2]);
+    }
+    return d;
+}
+
+Drop draw_flat_prism(std::uint64_t seed) {
+    SplitMix random(seed);
+    const double large = 0.1 * (1 + random.below(20)), small = large / (1 + random.below(8)),
+                 middle = small + (large - small) * random.below(100) / 100.0;
+    Drop drop;
+    drop.seed = seed;
+    drop.object = draw_prism(random, large, small, middle, large / (8192 << random.below(8)));
+    drop.floor = static_cast<Floor>(seed % floor_count);
+    drop.pose = {vec(0, small / 2 + 0.3, 0), Quat::identity()};
+    drop.def.bodies_max = drop.def.shapes_max = 16, drop.def.contacts_max = 256;
+    return drop;
+}
+
+std::string beam_fault(const Beam& beam) {
+    const double half_height = 0.05335, edge = 0.5; // [rad], about the beam
+    const auto turn = [](UnitVec3 axis, double angle) { return from_axis_angle(axis, real(angle)); };
+    World w = World::create(beam.precise ? WorldDef::precise() : WorldDef{}).value();
+    const ShapeDef floor{.geometry = plane(), .friction = real(beam.friction)},
+        side{.geometry = box(real(beam.length / 2), real(half_height), 0.07645_r),
+             .friction = real(beam.friction)};
+    const BodyId ground = w.create_body({.kind = BodyKind::static_}).value();
+    (void)w.create_shape(ground, floor).value();
+    const Quat pose = normalized(turn({Unit{}, unit_one, Unit{}}, beam.yaw_degrees * pi / 180) *
+                                 turn({unit_one, Unit{}, Unit{}}, edge));
+    const BodyId body = w.create_body({.pose = {vec(0, 0.12, 0), pose}}).value();
+    (void)w.create_shape(body, side).value();
+    int tick = 0;
+    while (tick < 480 && w.is_awake(body)) w.tick(), ++tick;
+    const double height = to_double(w.center_of_mass(body).y);
+    if (!w.is_awake(body) && std::abs(height - half_height) < 0.001) return {};
+    return in_text("a beam of %.4g m turned by %.4g degrees, friction %.4g: ", beam.length, beam.yaw_degrees,
+                   beam.friction) +
+           in_text("it is at %.4g m after %.4g ticks", height, tick);
+}
+
+Played begin(const Drop& drop, Vec3 offset) {
+    World w = World::create(drop.def, {}, drop.object.assets).value();
+    add_floor(w, drop, offset);
+    const BodyId body = w.create_body({.pose = {drop.pose.position + offset, drop.pose.rotation},
+                                       .linear_velocity = drop.velocity,
+                                       .angular_velocity = drop.spin})
+                            .value();
+    (void)w.create_shape(body, {.geometry = drop.object.geometry, .density = real(drop.density)}).value();
+    return {std::move(w), body};
+}
+
+Outcome play(const Drop& drop) {
+    Played p = begin(drop);
+    const SetMass mass = p.world.mass_properties(p.object);
+    const D3 k = to_double3(mass.gyration.value), squared = {k[0] * k[0], k[1] * k[1], k[2] * k[2]};
+    const auto now = [&] { return read(p.world, p.object, drop.object, squared, mass.principal.value); };
+    const Reading start = now();
+    Outcome out{.highest = 0, .centre_at_least = start.centre};
+    Reading r = start;
+    for (std::uint32_t t = 1; t <= static_cast<std::uint32_t>(drop.seconds) * drop.def.tick_rate; ++t) {
+        p.world.tick();
+        r = now();
+        // Where a swept body is stopped on its way down it has the speed of the whole tick: that energy is gone after the impact.
+        if (r.rising >= -0.01)
+            out.energy_above_start = std::max(out.energy_above_start, (r.energy - start.energy) / 9.81);
+        out.highest = std::max(out.highest, r.centre - start.centre);
+        out.centre_at_least = std::min(out.centre_at_least, r.centre);
+        const bool awake = p.world.is_awake(p.object);
+        if (!awake && out.asleep_at < 0) out.asleep_at = double(t) / drop.def.tick_rate;
+        if (awake) out.asleep_at = -1;
+        const D3 at = to_double3(p.world.center_of_mass(p.object));
+        if (std::max(std::abs(at[0]), std::abs(at[2])) + drop.object.size > 60) {
+            out.left = true;
+            break;
+        }
+        if (!awake) break;
+    }
+    out.lowest_at_end = r.lowest, out.speed_at_end = r.fastest;
+    return out;
+}
+
+std::string energy_fault(const Drop& drop, const Outcome& out) {
+    const double rise = 0.002 + 0.002 * drop.object.size; // by what overlap is pushed out
+    if (out.energy_above_start <= rise) return {};
+    return in_text("the energy rises by that of %.4g m of height (highest place: %.4g m above the start)",
+                   out.energy_above_start, out.highest);
+}
+
+std::string rest_fault(const Drop& drop, const Outcome& out) {
+    const Object& o = drop.object;
+    if (out.left) return {};
+    if (out.centre_at_least < -0.01)
+        return in_text("its centre was %.4g m below the floor", -out.centre_at_least);
+    if (out.lowest_at_end < -(0.001 + o.flatness))
+        return in_text("it lies %.4g mm in the floor at the end", -1000 * out.lowest_at_end);
+    if (out.asleep_at >= 0 && out.lowest_at_end > 0.001 + o.flatness)
+        return in_text("it sleeps %.4g mm above the floor", 1000 * out.lowest_at_end);
+    if (out.asleep_at < 0 && !o.rolls) return in_text("it is awake at the end: %.4g m/s", out.speed_at_end);
+    return {};
+}
+
+} // namespace lockstone::zoo

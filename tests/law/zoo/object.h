@@ -1,0 +1,83 @@
+// Single objects of any proportion, and where they are dropped: what games have that no scene of ours was made for.
+//
+//   Drop drop = draw_drop(seed);              an object, a floor, a throw, a tick rate
+//   Outcome out = play(drop);
+//   std::string fault = energy_fault(drop, out);
+#pragma once
+
+#include "lockstone/asset.h"
+#include "lockstone/world.h"
+#include "support/split_mix.h"
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lockstone::zoo {
+
+enum class Floor { plane, box, seam, parts, hull, mesh, height_field };
+inline constexpr int floor_count = 7;
+const char* name_of(Floor floor);
+
+/// A shape, and the points whose convex hull, swollen by `radius`, it is; in double, for laws.
+struct Object {
+    Geometry geometry{};
+    std::vector<std::array<double, 3>> corners; ///< of discs some 64
+    double radius = 0;                          ///< [m]
+    double thickness = 0;                       ///< least extent [m]
+    double size = 0;                            ///< greatest extent [m]
+    double flatness = 0;                        ///< by how much sides differ from planes [m]
+    bool rolls = false;                         ///< round in some direction
+    std::string about;
+    std::shared_ptr<AssetLibrary> assets; ///< that it needs, and the floor's
+};
+
+struct Drop {
+    std::uint64_t seed = 0;
+    Object object;
+    Floor floor = Floor::plane;
+    WorldDef def{};
+    Transform pose{};
+    Vec3 velocity{}, spin{};
+    double density = 1000;
+    int seconds = 12;
+    std::string about() const;
+};
+
+/// Each side of the prism lies within `flatness` of a plane, as the sides of exported models do.
+Object draw_prism(test::SplitMix& random, double large, double small, double middle, double flatness);
+Object draw_object(test::SplitMix& random);
+Drop draw_drop(std::uint64_t seed);
+/// A prism that falls flat, whose sides differ from planes by up to 2^-13 of its size.
+Drop draw_flat_prism(std::uint64_t seed);
+/// Drops a beam of 10.7 x 15.3 cm onto one of its long edges; it must roll onto a side and sleep.
+struct Beam {
+    double length, yaw_degrees, friction; ///< [m]
+    bool precise;
+};
+std::string beam_fault(const Beam& beam);
+/// The world of a drop, moved by `offset`; the object is its last body.
+struct Played {
+    World world;
+    BodyId object;
+};
+Played begin(const Drop& drop, Vec3 offset = {});
+
+/// The measures that the laws bound.
+struct Outcome {
+    double energy_above_start = 0; ///< the most at any tick, as a height to which it lifts the object [m]
+    double highest = 0;            ///< centre of mass above its start [m]
+    double lowest_at_end = 0;      ///< least height of the object after the last tick [m]
+    double centre_at_least = 0;    ///< least height of the centre of mass [m]
+    double speed_at_end = 0;       ///< of the fastest point [m/s]
+    double asleep_at = -1;         ///< [s]; -1: awake at the end
+    bool left = false;             ///< it has gone over the edge of the floor
+};
+Outcome play(const Drop& drop);
+/// Laws: each returns what does not hold, in a sentence, or nothing.
+std::string energy_fault(const Drop& drop,
+                         const Outcome& out); ///< the energy never rises above that of the start
+std::string rest_fault(const Drop& drop, const Outcome& out); ///< the object ends on the floor, asleep
+
+} // namespace lockstone::zoo
