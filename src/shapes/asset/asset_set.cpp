@@ -1,4 +1,4 @@
-// Several assets in one run of bytes: an asset comes after those that it refers to, so the last is the one that the set was made for.
+// Several assets in one run of bytes. An asset comes after those that it refers to, so a compound comes last.
 #include "shapes/asset/asset_file.h"
 
 #include <algorithm>

@@ -382,11 +382,13 @@ static std::int64_t spin_most(const StepConstants& step) {
 }
 
 /// Shortened where a component has no room: cut one by one, they would turn the spin of a thin body about its long axis partly into spin across it.
+/// The lanes of turn_kernel.h keep the same spins as they are.
 static SpeedVec3 spin_within(Vec3 spin) {
-    constexpr Real most = Real(4095);
+    constexpr int drop = Real::fraction_bits - Speed::fraction_bits;
     const Vec3 size = abs(spin);
-    const Real largest = max(size.x, max(size.y, size.z));
-    return to<Speed>(largest > most ? scale<Real>(spin, most / largest) : spin);
+    const auto fits = [](Real x) { return magnitude(shift_right_rounded(x.raw, drop)) <= 0x7fffffffu; };
+    if (fits(spin.x) && fits(spin.y) && fits(spin.z)) return to<Speed>(spin);
+    return to<Speed>(scale<Real>(spin, Real(4095) / max(size.x, max(size.y, size.z))));
 }
 
 /// Replaces turn() where rounds of the midpoint rule do not converge: a body that is thin, or spins fast. The direction of the

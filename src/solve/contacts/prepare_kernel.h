@@ -97,29 +97,26 @@ template <class L> class PrepareKernel {
         explicit Turner(const Side& of)
             : side(of), half(L::shift_left_by(L::splat(1), L::sub(of.shift, L::splat(1)))) {}
     };
-    /// K^-1 r as an angular row, each component within 4. Mantissas are below 2^30, so sums stay below 2^63.
-    static void turn(const Turner& t, const Length (&r)[3], bool negative, std::int32_t (&out)[3][N]) {
+    /// Component i of K^-1 r, where the body may turn. Mantissas are below 2^30, so sums stay below 2^63.
+    static V turned(const Turner& t, const Length (&r)[3], int i) {
         constexpr int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-        typename L::Low masked[3];
-        for (int i = 0; i < 3; ++i) masked[i] = L::both(r[i].raw, t.side.turns[i]);
+        const auto part = [&](int k) {
+            return L::mul(t.side.inverse[at[i][k]], L::both(r[k].raw, t.side.turns[k]));
+        };
+        return L::shift_right_by(L::add(L::add(part(0), part(1)), L::add(part(2), t.half)), t.side.shift);
+    }
+    /// K^-1 r as an angular row, each component within 4.
+    static void turn(const Turner& t, const Length (&r)[3], bool negative, std::int32_t (&out)[3][N]) {
         for (int i = 0; i < 3; ++i) {
-            const auto& m = t.side.inverse;
-            const V sum = L::add(L::add(L::mul(m[at[i][0]], masked[0]), L::mul(m[at[i][1]], masked[1])),
-                                 L::add(L::mul(m[at[i][2]], masked[2]), t.half));
-            const V x =
-                clamp(Sum<row_bits>{L::shift_right_by(sum, t.side.shift)}, std::int64_t{4} << row_bits).raw;
+            const V x = clamp(Sum<row_bits>{turned(t, r, i)}, std::int64_t{4} << row_bits).raw;
             L::store32(out[i], negative ? L::sub(L::splat(0), x) : x);
         }
     }
     /// The largest component of K^-1 r, not limited; a lane that does not turn has 0.
     static void find_largest(const Turner& t, const Length (&r)[3], std::int64_t (&out)[N]) {
-        constexpr int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
         for (int i = 0; i < 3; ++i) {
-            V sum = t.half;
-            for (int k = 0; k < 3; ++k)
-                sum = L::add(sum, L::mul(t.side.inverse[at[i][k]], L::both(r[k].raw, t.side.turns[k])));
             std::int64_t entry[N];
-            L::store64(entry, L::shift_right_by(sum, t.side.shift));
+            L::store64(entry, turned(t, r, i));
             for (unsigned lane = 0; lane < N; ++lane) {
                 const std::int64_t size = entry[lane] < 0 ? -entry[lane] : entry[lane];
                 if (size > out[lane]) out[lane] = size;
@@ -455,7 +452,8 @@ template <class L> class PrepareKernel {
             std::int32_t along[N];
             l.along[1][i].store(along);
             for (unsigned lane = 0; lane < N; ++lane)
-                if (up[lane] != 0) along[lane] = (along[lane] + (1 << (up[lane] - 1))) >> up[lane];
+                along[lane] = static_cast<std::int32_t>(
+                    shift_right_rounded(std::int64_t{along[lane]}, up[lane])); // beyond 31 bits in between
             l.along[1][i] = Length::load(along);
         }
     }

@@ -2,7 +2,7 @@
 // changed and copied datagrams. Newcomers from other networks must still meet and play.
 //
 // Must not happen: a crash; a newcomer that is refused or not connected in time; more rooms or matches than RelayDef allows; more
-// bytes out than in; rooms or matches that are still there when nobody has sent anything for as long as they may last.
+// bytes out than in; rooms or matches that outlast their limits of silence.
 //
 // Planted: "many" lets the siege come from more addresses than the reserve for newcomers has places; "stays" goes on with the siege
 // while the tables must become empty.
@@ -23,7 +23,7 @@ NetAddress address_in(std::uint32_t network, std::uint32_t host, std::uint32_t p
     return made;
 }
 
-/// A machine that asks the lobby, and then plays with the token that it got.
+/// A machine that sends requests to the lobby, and then plays with its token.
 struct Machine {
     NetAddress at;
     std::unique_ptr<LobbyClient> client;
