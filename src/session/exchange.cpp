@@ -232,9 +232,9 @@ void PeerSession::fill_departures() {
     }
 }
 
-/// Oldest first, from the first that the peer lacks by its last word. Where it lacks more than is on its way in a usual
-/// round trip, three packets of four begin with newer ones: what the peer has already is not sent over and over, and what
-/// it has not comes with the fourth.
+/// A block begins at the first input that the peer lacks by its last packet. Where the peer lacks more inputs than a usual round trip holds,
+/// or than the packet has room for, three packets of four begin with newer inputs instead: the packet then ends with the newest input, and
+/// inputs that the peer has are not sent over and over. Inputs that were lost come with the fourth packet.
 void PeerSession::send_inputs(const PeerLink& link) {
     constexpr std::uint64_t usual_ticks = 16, newest_ticks = 12;
     std::uint32_t left = static_cast<std::uint32_t>(std::popcount(players_of(def.self)));
@@ -247,7 +247,9 @@ void PeerSession::send_inputs(const PeerLink& link) {
             writer.add_no_inputs();
             continue;
         }
-        if (lacks > usual_ticks && link.sequence_sent % 4 != 0) first = queue.next() - newest_ticks;
+        const std::uint64_t fit = std::max(writer.inputs_that_fit(left), 1u);
+        if (lacks > std::min(usual_ticks, fit) && link.sequence_sent % 4 != 0)
+            first = queue.next() - std::min(newest_ticks, fit);
         writer.add_inputs(first, queue.next() - first, left, *queue.before(first),
                           [&](std::uint64_t tick) { return queue.confirmed(tick); });
     }

@@ -1,8 +1,10 @@
 // Sessions: peers that agree, peers that mean harm, who comes back, relays, what is shown ahead.
 #include "checks.h"
 #include "session/event_ledger.h"
+#include "session/inputs/large.h"
 #include "session/join/join_scenes.h"
 #include "session/join/relayed_scenes.h"
+#include "session/lifetime.h"
 #include "session/run_ahead.h"
 #include "support/rigs/busy_game.h"
 #include "support/rigs/snap_game.h"
@@ -45,6 +47,20 @@ std::string machines_come_back() {
 
 std::string relays_serve() {
     for (const HostileScene& scene : relay_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
+std::string sessions_end_first() {
+    for (const HostileScene& scene : lifetime_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
+std::string large_inputs_keep_up() {
+    for (const HostileScene& scene : large_input_scenes())
         if (const std::string wrong = scene.run(); !wrong.empty())
             return std::string(scene.name) + ": " + wrong;
     return {};
@@ -108,6 +124,8 @@ Checks session_checks() {
             {"hostile peers", hostile_peers},
             {"machines come back", machines_come_back},
             {"relays serve", relays_serve},
+            {"sessions end before their runners", sessions_end_first},
+            {"large inputs keep up", large_inputs_keep_up},
             {"shows ahead", shows_ahead},
             {"joints that break are told", broken_joints_are_told},
             {"states of another tick are refused", other_ticks_refused},

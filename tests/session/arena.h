@@ -76,7 +76,11 @@ class Arena : public Simulation {
         for (const PlayerInput& input : inputs) gone += input.status == InputStatus::disconnected ? 1 : 0;
         const std::uint64_t noise = split_mix(clock.dice);
         for (Agent& agent : agents()) {
-            const Pad pad = decode_input<Pad>(inputs[agent.owner]);
+            const std::span<const std::byte> input = inputs[agent.owner].bytes;
+            const std::size_t pad_size = std::min<std::size_t>(input.size(), input_size_of<Pad>);
+            const Pad pad = decode_input<Pad>(input.first(pad_size));
+            for (const std::byte noise_byte : input.subspan(pad_size))
+                agent.speed += static_cast<std::int32_t>(std::to_integer<std::uint32_t>(noise_byte) & 1u);
             agent.speed += pad.push / 256 + static_cast<std::int32_t>(noise >> (60 - agent.owner) & 1u);
             agent.speed += static_cast<std::int32_t>(pad.buttons & 3u) - static_cast<std::int32_t>(gone);
             agent.speed -= agent.speed / 8;

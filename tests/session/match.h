@@ -71,6 +71,7 @@ struct MatchDef {
     std::uint64_t seed = 1;
     std::uint32_t inspected_ticks = 64; ///< of RunnerDef
     std::uint32_t run_ahead = 0;
+    std::uint32_t noise_bytes = 0;    ///< that follow the pad in each input, others in each tick
     std::string column_left_out = {}; ///< of ForgetfulSimulation
 };
 
@@ -115,7 +116,7 @@ class Match {
     SessionDef session_def_of(PeerId id) const {
         SessionDef session_def;
         session_def.content_id = 7;
-        session_def.input_size = input_size_of<Pad>;
+        session_def.input_size = input_size_of<Pad> + def.noise_bytes;
         session_def.self = id;
         session_def.players = def.players;
         session_def.absent = def.absent;
@@ -170,7 +171,7 @@ class Match {
         }
         for (std::uint32_t p = 0; p < def.players.size(); ++p) {
             if (def.players[p] == id)
-                m.session->add_local_input(p, encode_input(scripted_pad(p, m.session->current_tick())));
+                m.session->add_local_input(p, scripted_input(p, m.session->current_tick()));
         }
         m.frames_to_wait = m.runner->frame(now_ms).wait_ticks;
         if (def.record) {
@@ -215,6 +216,15 @@ class Match {
     std::uint64_t now_ms = 0;
 
   private:
+    /// Valid until the next call: tests count allocations of frames, so the input has no memory of its own.
+    std::span<const std::byte> scripted_input(std::uint32_t player, std::uint64_t tick) {
+        const auto pad = encode_input(scripted_pad(player, tick));
+        std::ranges::copy(pad, input.begin());
+        SplitMix noise(tick * players_max + player);
+        for (std::uint32_t i = 0; i < def.noise_bytes; ++i)
+            input[pad.size() + i] = static_cast<std::byte>(noise.below(256));
+        return std::span(input).first(pad.size() + def.noise_bytes);
+    }
     void start(Machine& m, PeerId id) {
         m.simulation = make_simulation(id);
         m.driven = std::make_unique<testing::ForgetfulSimulation>(*m.simulation, def.column_left_out);
@@ -222,6 +232,7 @@ class Match {
             *m.session, *m.driven, RunnerDef{def.record ? &m.timeline : nullptr, def.inspected_ticks});
     }
     std::function<std::unique_ptr<Simulation>(PeerId)> make_simulation;
+    std::array<std::byte, input_bytes_max> input{};
 };
 
 /// The hash after the last tick of a timeline whose inputs are run once, without any session.

@@ -80,7 +80,6 @@ void PacketWriter::begin(const PacketContext& context, const Sender& sender, con
     buffer.clear();
     buffer.reserve(packet_bytes_max);
     input_size = context.input_size;
-    blocks = static_cast<std::uint32_t>(std::popcount(sender.players));
     tick = message.tick;
     with_checksum = message.greeting || !sender.sealed;
     seed = message.greeting ? 0 : seed_of(context.match, message.sequence, message.tick);
@@ -150,18 +149,25 @@ void PacketWriter::write_body(const PacketContext& context, const Sender& sender
     part_since(told.departures);
 }
 
-/// How long the code of the block may be [bytes].
-std::size_t PacketWriter::open_block(std::uint64_t first, std::uint64_t count, std::uint32_t blocks_after) {
+/// Returns how long the code of a block may be [bytes] that begins at byte `block_begin` of the packet.
+std::size_t PacketWriter::code_room(std::size_t block_begin, std::uint32_t blocks_after) const {
     constexpr std::size_t block_head_max = 6;
+    const std::size_t room = packet_bytes_max - checksum_bytes - block_begin;
+    const std::size_t share = room / (blocks_after + 1);
+    return share < block_head_max ? 0 : share - block_head_max;
+}
+
+std::uint32_t PacketWriter::inputs_that_fit(std::uint32_t blocks_after) const {
+    return static_cast<std::uint32_t>(8 * code_room(buffer.size(), blocks_after) /
+                                      input_bits_max(input_size));
+}
+
+std::size_t PacketWriter::open_block(std::uint64_t first, std::uint64_t count, std::uint32_t blocks_after) {
     block_at = buffer.size();
     buffer.push_back(std::byte{0});
     if (count == 0) return 0;
     base::ByteWriter(buffer).varint(zigzag(first, tick));
-    const std::size_t room = packet_bytes_max - checksum_bytes - block_at;
-    const std::size_t share = room / (blocks_after + 1);
-    const std::size_t one_input = (input_bits_max(input_size) + 7) / 8;
-    const std::size_t wanted = std::max(inputs_budget_bytes / blocks, one_input);
-    return share < block_head_max ? 0 : std::min(share - block_head_max, wanted);
+    return code_room(block_at, blocks_after);
 }
 
 void PacketWriter::close_block(std::uint32_t taken) {

@@ -12,8 +12,6 @@ inline constexpr std::uint8_t packet_version = 4;
 inline constexpr std::size_t checksum_bytes = 4;
 inline constexpr std::uint32_t hashes_per_packet = 16;
 inline constexpr std::uint32_t inputs_per_block = 255;
-/// What the inputs of a packet may take in all [bytes]. More only where the next one of each player would not fit.
-inline constexpr std::size_t inputs_budget_bytes = 240;
 
 /// What every packet of a session must agree on.
 struct PacketContext {
@@ -112,6 +110,8 @@ class PacketWriter {
     /// Starts a packet with everything of `message` but its input blocks. add_inputs follows for each player of the
     /// sender, in order.
     void begin(const PacketContext& context, const Sender& sender, const Message& message);
+    /// The number of inputs that fit into the next block whatever their values, when `blocks_after` further blocks take as much room.
+    std::uint32_t inputs_that_fit(std::uint32_t blocks_after) const;
     /// Adds inputs `first`, `first + 1`... as input_of(tick) gives them, as many of `count` as fit when `blocks_after`
     /// further blocks want as much room. `before`: as in for_each_input.
     template <class InputOf>
@@ -132,11 +132,12 @@ class PacketWriter {
 
   private:
     void write_body(const PacketContext& context, const Sender& sender, const Message& message);
+    std::size_t code_room(std::size_t block_begin, std::uint32_t blocks_after) const;
     std::size_t open_block(std::uint64_t first, std::uint64_t count, std::uint32_t blocks_after);
     void close_block(std::uint32_t taken);
 
     std::vector<std::byte> buffer;
-    std::uint32_t input_size = 0, blocks = 0;
+    std::uint32_t input_size = 0;
     std::uint64_t tick = 0, seed = 0;
     bool with_checksum = true;
     std::size_t block_at = 0;

@@ -77,9 +77,9 @@ refused 2 "'0' is not a number" "$samples/gem.stl" --scale 0
 refused 2 "'300' is not a whole number from 4 to 255" "$samples/gem.stl" --vertices 300
 refused 2 'gem.stl' "$samples/gem.stl" --scale 1e-5
 refused 2 'gem.stl: ' "$samples/gem.stl" --scale 1e5
-# A model that needs more memory than the command may take: a grid of 300,000 triangles.
+# A model that needs more memory than the command may take: a grid of 28,000 triangles.
 python3 - >grid.obj <<'PYTHON'
-side = 388
+side = 120
 for x in range(side):
     for z in range(side):
         print("v", x, (x * z) % 7, z)
@@ -90,6 +90,8 @@ for x in range(side - 1):
         print("f", a + 1, a + side + 1, a + side)
 PYTHON
 refused 2 '(--memory allows more)' grid.obj --as mesh --memory 64
+# The planted twin of the limit: with a limit that is not reached, the refusal above does not happen.
+expect 0 cook grid.obj --as mesh -o grid.lsa
 refused 2 "'63' is not a whole number from 64" grid.obj --memory 63
 cp "$samples/gem.stl" gem.stl
 expect 2 cook gem.stl -o ./gem.stl

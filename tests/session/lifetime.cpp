@@ -1,0 +1,14 @@
+// A runner whose session was destroyed.
+#include "session/lifetime.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+TEST_CASE("a runner does not call a session that was destroyed") {
+    for (const HostileScene& scene : lifetime_scenes()) {
+        CAPTURE(std::string(scene.name));
+        CHECK(scene.run() == "");
+    }
+}
