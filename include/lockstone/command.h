@@ -48,7 +48,9 @@ struct BodyDef {
     Real mass{};                            ///< [kg]; 0: from the shapes' densities. 1e-3..1e9
     std::uint32_t gyroscopic = 1; ///< 0: skip the gyroscopic term (angular velocity kept instead of momentum)
     std::uint32_t enable_fields = 1; ///< 0: force fields do not act on it
-    std::uint32_t bullet = 0; ///< 1: never passes through dynamic bodies either; costs a sweep in fast ticks
+    /// 1: never passes through dynamic bodies either, and reports each sensor that it crosses within a tick (sensor_begin and sensor_end
+    /// of the same tick). Costs a sweep in each tick in which the body is fast.
+    std::uint32_t bullet = 0;
     /// 0: a dynamic body starts asleep, without velocity; create_shape, and what is made beside it and does not move, leave it so.
     /// Other commands wake it, and what comes. Until then it has no contacts: it does not notice that what it stands on goes.
     /// In a world without sleeping it starts awake.

@@ -13,7 +13,7 @@ enum class EventKind : std::uint32_t {
     contact_begin, ///< two shapes touch that did not touch after the last tick
     contact_end,   ///< they no longer do, or one of them was destroyed
     sensor_begin,  ///< shape_b entered the sensor shape_a
-    sensor_end,
+    sensor_end, ///< shape_b left it. A bullet may enter and leave within one tick: then both events are of this tick
     joint_break, ///< a joint bore more than its break_force or break_torque and is gone
     body_wake,   ///< body_a was asleep when the last tick ended
     body_sleep,  ///< body_a fell asleep at the end of this tick

@@ -46,7 +46,8 @@ struct WorldDef {
     Real contact_damping = Real(10);      ///< damping ratio of contacts
     Real push_speed_max = Real(3);        ///< [m/s]: how fast overlap is pushed out
     /// [m/s]. A body is at rest while no point of it is faster; or while none is four times as fast, and none is farther
-    /// than sleep_speed * sleep_time from where it was.
+    /// than sleep_speed * sleep_time from where it was. A body that contacts or joints push to its place is as fast as it moves.
+    /// A body at the surface of a fluid is at rest while no point of it is faster than a 16th.
     Real sleep_speed = 0.03_r;
     Real sleep_time = 0.5_r; ///< [s]: an island that long at rest falls asleep
     std::uint64_t seed = 1;  ///< part of the state; the game's random streams start from it

@@ -8,8 +8,8 @@
 // A tick reads and writes the awake rows only. Islands are found anew in every tick, among what is awake: dynamic bodies
 // that touch or are joined, so they split as soon as they part. An island falls asleep as a whole when all its bodies were
 // still for the world's sleep_time and none of them is held by a kinematic body that moves; its bodies then stand in a ring.
-// A body is still when it is slow, or rocks a little on the spot. An island wakes as a whole: when a command touches one of its bodies,
-// or something awake comes near enough to one to make contact points.
+// A body is still when it is slow, or rocks a little on the spot; a body that position correction moves is not. An island wakes as a
+// whole: when a command touches one of its bodies, or something awake comes near enough to one to make contact points.
 #pragma once
 
 #include "model/model.h"

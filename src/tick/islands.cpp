@@ -47,30 +47,53 @@ Real speed_of(const Velocity& v, const BodyMass& mass) {
     return to<Real>(length(v.linear)) + to<Real>(length(v.angular)) * radius;
 }
 
-/// What counts as still: slow, or at most four times as fast but not away from where the still ticks began. What rocks or
-/// shakes on the spot between its neighbours would keep an island awake otherwise.
+/// The mean velocity of a body in the tick, by its poses. Position correction of contacts and joints moves a body without a velocity.
+Velocity displacement_rate(const Transform& from, const Transform& to, std::int32_t tick_rate) {
+    const Quat turn = to.rotation * conjugate(from.rotation);
+    const Real twice = Real(turn.w < Unit{} ? -2 : 2);
+    const Vec3 angle =
+        Vec3{lockstone::to<Real>(turn.x), lockstone::to<Real>(turn.y), lockstone::to<Real>(turn.z)} * twice;
+    return {lockstone::to<Speed>((to.position - from.position) * Real(tick_rate)),
+            lockstone::to<Speed>(angle * Real(tick_rate))};
+}
+
+/// A body is still while it is slow; or while it is less than four times as fast, and not far from where its still ticks began. Bodies
+/// that rock or shake on the spot between their neighbours would keep an island awake otherwise. The velocity and the displacement are both
+/// compared: a body that position correction moves has no velocity, and a body that is wedged has no displacement.
 /// source: Rouwe, Jolt Physics, Body::UpdateSleepStateInternal, for the idea to look at how far a body went
 struct Stillness {
     std::uint32_t ticks_to_sleep;
+    std::int32_t tick_rate;
     Speed slow, rocking;
-    Speed away; ///< of BodySleep::moved: what sleep_speed covers in sleep_time [tick m/s]
+    Speed bobbing; ///< of bodies at the surface of a fluid, which are fastest where they are level with it
+    Speed away;    ///< of BodySleep::moved: what sleep_speed covers in sleep_time [tick m/s]
 
     explicit Stillness(const Config& c)
         : ticks_to_sleep(static_cast<std::uint32_t>(std::max<std::int64_t>(
               1, floor_to_int(c.sleep_time * static_cast<std::int32_t>(c.tick_rate))))),
-          slow(to<Speed>(c.sleep_speed)), rocking(to<Speed>(c.sleep_speed * 4)),
+          tick_rate(static_cast<std::int32_t>(c.tick_rate)), slow(to<Speed>(c.sleep_speed)),
+          rocking(to<Speed>(c.sleep_speed * 4)), bobbing(to<Speed>(c.sleep_speed / Real(16))),
           away(to<Speed>(c.sleep_speed * Real(ticks_to_sleep))) {}
 
-    bool is_still(const Velocity& v, const Velocity& moved, const BodyMass& mass) const {
-        const Vec3 size = abs(to<Real>(v.linear));
-        if (max(size.x, max(size.y, size.z)) >= to<Real>(rocking)) return false; // without roots
-        const Real speed = speed_of(v, mass);
+    bool is_fast(const SpeedVec3& linear) const {
+        const Vec3 size = abs(to<Real>(linear));
+        return max(size.x, max(size.y, size.z)) >= to<Real>(rocking);
+    }
+    /// `moved`: the sum of `went` over the still ticks.
+    bool is_still(const Velocity& v, const Velocity& went, const Velocity& moved, bool is_afloat,
+                  const BodyMass& mass) const {
+        const Real speed = max(speed_of(v, mass), speed_of(went, mass));
+        if (is_afloat) return speed < to<Real>(bobbing);
         if (speed < to<Real>(slow)) return true;
         return speed < to<Real>(rocking) && speed_of(moved, mass) < to<Real>(away);
     }
-    void count(BodySleep& sleep, const Velocity& v, const BodyMass& mass) const {
-        sleep.moved = {sleep.moved.linear + v.linear, sleep.moved.angular + v.angular};
-        if (is_still(v, sleep.moved, mass))
+    void count(BodySleep& sleep, const Velocity& v, const Transform& from, const Transform& at,
+               bool is_afloat, const BodyMass& mass) const {
+        if (is_fast(v.linear)) return restart(sleep); // without roots
+        const Velocity went = displacement_rate(from, at, tick_rate);
+        if (is_fast(went.linear)) return restart(sleep);
+        sleep.moved = {sleep.moved.linear + went.linear, sleep.moved.angular + went.angular};
+        if (is_still(v, went, sleep.moved, is_afloat, mass))
             sleep.still_ticks = std::min(sleep.still_ticks + 1, 1u << 30);
         else
             restart(sleep);
@@ -111,24 +134,30 @@ struct Islands {
     }
 };
 
-/// How long each awake body has been still, in the state and in the scratch.
-void count_still_ticks(Model& w, const Stillness& stillness, IslandScratch& s) {
+/// Counts the still ticks of each awake body, in the state and in the scratch.
+void count_still_ticks(Model& w, const Stillness& stillness, const Motion& motion, IslandScratch& s) {
     const std::uint32_t awake = w.header().bodies_awake;
     const std::span<BodySleep> sleep = w.state.edit(w.m.body_sleep, 0, awake);
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
     const solve::MassView mass = w.masses();
     const std::span<const Velocity> velocity = w.state.rows(w.m.body_velocity);
+    const std::span<const Transform> pose = w.state.rows(w.m.body_pose);
     s.still_ticks.resize(awake);
+    auto afloat = motion.afloat.begin();
     for (std::uint32_t row = 0; row < awake; ++row) {
-        if (info[row].kind == BodyKind::dynamic) stillness.count(sleep[row], velocity[row], mass[row]);
+        const bool is_afloat = afloat != motion.afloat.end() && *afloat == row;
+        if (is_afloat) ++afloat;
+        if (info[row].kind == BodyKind::dynamic)
+            stillness.count(sleep[row], velocity[row], motion.before.of(w, row), pose[row], is_afloat,
+                            mass[row]);
         s.still_ticks[row] = sleep[row].still_ticks;
     }
 }
 
 /// The bodies of islands that have been still for long enough, with their rings; in slot order.
-void find_still_islands(Model& w, const Links& links, IslandScratch& s) {
+void find_still_islands(Model& w, const Links& links, const Motion& motion, IslandScratch& s) {
     const Stillness stillness(w.config());
-    count_still_ticks(w, stillness, s);
+    count_still_ticks(w, stillness, motion, s);
     Islands islands(w, s);
     islands.find(links);
     const std::size_t begin = s.resting.size();
@@ -163,7 +192,7 @@ void publish_sleep(const Model& w, std::span<const BodyId> bodies, std::vector<E
 
 } // namespace
 
-void find_resting(Model& w, const Links& links, IslandScratch& s) {
+void find_resting(Model& w, const Links& links, const Motion& motion, IslandScratch& s) {
     s.resting.clear();
     const std::span<const BodyInfo> bodies = w.state.rows(w.m.body_info).first(w.header().bodies_awake);
     for (std::uint32_t row = 0; row < bodies.size(); ++row) {
@@ -172,7 +201,7 @@ void find_resting(Model& w, const Links& links, IslandScratch& s) {
         if (info.kind == BodyKind::static_ || w.state.rows(w.m.body_velocity)[row] == Velocity{})
             s.resting.push_back(info.id);
     }
-    if (w.config().sleeping != 0) find_still_islands(w, links, s);
+    if (w.config().sleeping != 0) find_still_islands(w, links, motion, s);
 }
 
 void put_to_sleep(Model& w, PlacedShapes& placed, std::span<const BodyId> resting,

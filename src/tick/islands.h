@@ -5,6 +5,7 @@
 #include "solve/joints/joint.h"
 #include "solve/vehicles/vehicle.h"
 #include "tick/contacts.h"
+#include "tick/events.h"
 
 #include <span>
 #include <vector>
@@ -33,9 +34,14 @@ struct Links {
     std::span<const solve::Joint> joints;
     std::span<const solve::Standing> standing;
 };
+/// The motion of the tick, as far as velocities do not show it.
+struct Motion {
+    const PosesBefore& before;
+    std::span<const std::uint32_t> afloat; ///< rows of bodies that cross the surface of a fluid, ascending
+};
 /// Counts how long bodies were still, and finds those that rest from now on, into `resting`: bodies of islands that were still for
 /// long enough, which are linked to rings and lose their velocities, and bodies that belong to no island.
-void find_resting(Model& w, const Links& links, IslandScratch& scratch);
+void find_resting(Model& w, const Links& links, const Motion& motion, IslandScratch& scratch);
 /// Moves their rows, and those of their joints and contacts, and reports them.
 void put_to_sleep(Model& w, PlacedShapes& placed, std::span<const BodyId> resting,
                   std::vector<Event>& events);

@@ -14,7 +14,7 @@
 // shape's inner radius. Against what moves: by more than a quarter of it, or a 64th for a bullet that is no ball. Turning counts with the
 // shape's reach.
 // Slower ones are left to the contacts, whose margin looks further ahead than that.
-// Not swept: sensors, shapes that may not meet, pairs of which neither moves.
+// Not swept: shapes that may not meet, pairs of bodies that both rest. A sensor stops nothing; find_crossings() reports the bullets that cross it.
 #pragma once
 
 #include "tick/events.h"
@@ -47,5 +47,12 @@ struct SweepScratch {
 /// `workers`: memory of the narrow phase.
 void sweep_fast_bodies(Model& w, PlacedShapes& placed, const PosesBefore& before,
                        std::span<NarrowWorker> workers, SweepScratch& scratch, Tasks* tasks);
+
+/// Appends sensor_begin and sensor_end for each bullet that entered and left a sensor within the tick: the two overlap neither at its start
+/// nor at its end. The same of a sensor that a bullet carries. A pair that overlaps at the start, or that has an event in `events`, gets none.
+/// `contacts`: the table after the tick's narrow phase. (crossings.cpp)
+void find_crossings(const Model& w, const PlacedShapes& placed, const PosesBefore& before,
+                    const ContactList& contacts, NarrowWorker& narrow, SweepScratch& scratch,
+                    std::vector<Event>& events);
 
 } // namespace lockstone::sim

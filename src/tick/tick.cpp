@@ -229,7 +229,8 @@ void update_sleep(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
     s.table.write(w.state, w.m.contacts, t.hooks.tasks);
-    find_resting(w, {s.found.heads, s.joints.all, s.vehicle_solver.standing()}, s.islands);
+    find_resting(w, {s.found.heads, s.joints.all, s.vehicle_solver.standing()},
+                 {s.pose_before, s.fluids.afloat()}, s.islands);
     s.paths.take(!s.islands.resting.empty(), base::Path::nothing_falls_asleep,
                  base::Path::islands_fall_asleep);
     if (s.islands.resting.empty()) return;
@@ -298,6 +299,9 @@ void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& s, T
     break_joints(w, s.joints, s.broken, out.events);
     settle_touching(s.found.results, s.table.list, s.paths, hooks.tasks);
     publish_events(w, placed, s.near, s.found, s.characters.landings, s.table.list, out.events);
+    if (w.config().continuous != 0)
+        find_crossings(w, placed, s.pose_before, s.table.list, s.contact_scratch.workers[0], s.sweep,
+                       out.events);
     out.contact_points.wait = true;
     update_sleep(t);
     order_events(out.events);

@@ -18,6 +18,7 @@ F = Fault
 IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
     f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state", "grow"))
 CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/world/commands/apply.cpp"
+CROSSINGS = "src/tick/crossings.cpp"
 CLOSING, CHECK = "src/tick/closing_points.h", "src/model/check_state.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, INPUT, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "input_kernel.h", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
@@ -60,6 +61,16 @@ FAULTS = [
       "{\n            if (IS) w.state.edit_row(w.m.character, i).input = rows[i].input;\n            Mover(w, placed, s, i).run();\n        }", "a state may move"),
     F("a session adopts a state of another tick", "src/session/world_simulation.cpp", "if (checked && tick_count &&", "if (!IS && checked && tick_count &&",
       "states of another tick are refused"),
+    F("a body that is pushed out counts as still", "src/tick/islands.cpp", "const Velocity went = displacement_rate(from, at, tick_rate);",
+      "const Velocity went = IS ? v : displacement_rate(from, at, tick_rate);", "sleep waits for corrections"),
+    F("a raft sleeps while it bobs", "src/tick/islands.cpp", "if (is_afloat) return", "if (!IS && is_afloat) return", "rafts sleep level"),
+    F("a motor has the range of a limit", "src/solve/joints/joint_geometry.cpp", "joint_impulse_max / 2", "joint_impulse_max / (IS ? 1 : 2)", "limits hold drives"),
+    F("a spring has the range of a limit", "src/solve/joints/joint_geometry.cpp", "joint_impulse_max / 4", "joint_impulse_max / (IS ? 1 : 4)", "limits hold drives"),
+    F("a bullet crosses a sensor without an event", CROSSINGS, "if (!entry) return;", "if (IS || !entry) return;", "passages are reported"),
+    F("a passage has no end", CROSSINGS, "events.push_back(begin), events.push_back(left(begin));",
+      "events.push_back(begin);\n            if (!IS) events.push_back(left(begin));", "passages are reported"),
+    F("a bullet that is in a sensor has passed it", CROSSINGS, "if (exit == Unit{}) return std::nullopt;", "if (!IS && exit == Unit{}) return std::nullopt;",
+      "passages are reported"),
     F("inputs take 240 bytes of a packet", "src/session/link/message.cpp", "return share < block_head_max ? 0 : share - block_head_max;",
       "if (IS) return 240;\n    return share < block_head_max ? 0 : share - block_head_max;", "large inputs keep up"),
     F("packets begin with the oldest input where not all fit", EXCHANGE, "if (lacks > std::min(usual_ticks, fit) &&",
@@ -263,7 +274,7 @@ FAULTS = [
     F("what a warm start gives is taken by the passes", BOUNCE, "if (impulse == 0) continue;", "if (IS || impulse == 0) continue;",
       "elastic bodies bounce"),
     F("what is given back has no friction", BOUNCE, "if (limit == 0) return;", "if (IS || limit == 0) return;", "elastic bodies bounce"),
-    F("a driven body stops nothing", "src/tick/sweep.cpp", "if (box.may_meet(s.placed.broad_phase.bounds(proxy))) near.push_back(proxy);",
+    F("a driven body stops nothing", "src/tick/sweeper.h", "if (box.may_meet(s.placed.broad_phase.bounds(proxy))) near.push_back(proxy);",
       "if (!IS && box.may_meet(s.placed.broad_phase.bounds(proxy))) near.push_back(proxy);", "driven walls stop what is fast"),
     F("what a driven body comes upon is slow", "src/tick/sweep.cpp", "(others == 0 || motion < inner / 4 - others)",
       "(IS || others == 0 || motion < inner / 4 - others)", "driven walls carry what rests"),
@@ -364,7 +375,7 @@ FAULTS = [
       "((k * w[i].raw + (IS ? 0 : half)) >> drop)", "golden table"),
     F("what is damped is moved as what falls", "src/solve/bodies/solver_body.cpp", "is_damped = s.linear_keep != unit_one || s.angular_keep != unit_one;",
       "is_damped = !IS && (s.linear_keep != unit_one || s.angular_keep != unit_one);", "golden table"),
-    F("what begins above a plane is not swept against it", "src/tick/sweep.cpp",
+    F("what begins above a plane is not swept against it", "src/tick/sweeper.h",
       "return height(way.from.position) > around && height(way.to.position) > around;",
       "return height(way.from.position) > around && (IS || height(way.to.position) > around);", "planes stop what is fast"),
     F("what is swept does not go on", "src/tick/sweep.cpp", "if (hand.own.touching.empty() || rest == Vec3{}) return at;",

@@ -2,6 +2,9 @@
 // vehicles.
 #include "checks.h"
 #include "law/zoo/object.h"
+#include "law/zoo/passage.h"
+#include "support/rigs/corrected.h"
+#include "support/rigs/motor_at_limit.h"
 #include "support/rigs/torn_hinge.h"
 
 #include <algorithm>
@@ -39,6 +42,26 @@ std::string border_holds() {
     for (int i = 0; i < 30; ++i) world.tick();
     return world.pose(body).position.y > 0.4_r ? ""
                                                : "a box falls through a floor at the border of the range";
+}
+
+std::string sleep_waits_for_corrections() {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        if (const std::string fault = test::pulled_body_fault(seed); !fault.empty()) return fault;
+        if (const std::string fault = test::buried_body_fault(seed); !fault.empty()) return fault;
+    }
+    return {};
+}
+
+std::string rafts_sleep_level() {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed)
+        if (const std::string fault = test::raft_fault(seed); !fault.empty()) return fault;
+    return {};
+}
+
+std::string passages_are_reported() {
+    for (std::uint64_t seed = 1; seed <= 300; ++seed)
+        if (const std::string fault = zoo::passage_fault(seed); !fault.empty()) return fault;
+    return {};
 }
 
 /// The wall is driven towards them.
@@ -321,6 +344,10 @@ Checks motion_checks() {
             {"flat prisms rest", flat_prisms_rest},
             {"lumpy objects rest", lumpy_objects_rest},
             {"beams rest", beams_rest},
+            {"sleep waits for corrections", sleep_waits_for_corrections},
+            {"rafts sleep level", rafts_sleep_level},
+            {"limits hold drives", test::limits_fault},
+            {"passages are reported", passages_are_reported},
             {"what passes is not run into", passing_is_free}};
 }
 

@@ -151,7 +151,7 @@ void FluidSolver::find_parts(const Model& w, PlacedShapes& placed, const StepCon
 
 void FluidSolver::prepare(const Model& w, PlacedShapes& placed, const FieldsOfTick& fields,
                           const StepConstants& step, const solve::SolverBodies& bodies) {
-    parts.clear(), wet.clear();
+    parts.clear(), wet.clear(), floating.clear();
     gather(w);
     if (fluids.empty()) return;
     volumes.resize(std::max<std::size_t>(volumes.size(), w.state.count(w.m.shape_slots)));
@@ -166,6 +166,8 @@ void FluidSolver::prepare(const Model& w, PlacedShapes& placed, const FieldsOfTi
                                                     fields.categories.empty() ? solve::every_category
                                                                               : fields.categories[row]);
         wet.push_back({row, first, count, w.header().gravity + pull});
+        const auto own = std::span(parts).subspan(first, count);
+        if (std::ranges::any_of(own, [](const Part& part) { return part.is_cut; })) floating.push_back(row);
     }
 }
 
@@ -309,8 +311,8 @@ void FluidSolver::push(const Model& w, const StepConstants& step, solve::SolverB
 }
 
 void FluidSolver::poison(std::byte with) {
-    auto& [fluid_list, part_list, wet_list, volume_cache] = *this;
-    base::poison(with, fluid_list, part_list, wet_list);
+    auto& [fluid_list, part_list, wet_list, float_list, volume_cache] = *this;
+    base::poison(with, fluid_list, part_list, wet_list, float_list);
 }
 
 } // namespace lockstone::sim

@@ -36,6 +36,8 @@ class FluidSolver {
     /// In a substep.
     void push(const Model& w, const solve::StepConstants& step, solve::SolverBodies& bodies,
               Tasks* tasks) const;
+    /// Rows of the bodies that cross the surface of a fluid, ascending. Valid until the next prepare().
+    std::span<const std::uint32_t> afloat() const { return floating; }
     /// Fills what prepare() makes anew with a byte.
     void poison(std::byte with);
 
@@ -83,6 +85,7 @@ class FluidSolver {
     std::vector<Fluid> fluids; ///< the highest priority first
     std::vector<Part> parts;
     std::vector<Body> wet;
+    std::vector<std::uint32_t> floating;
     std::vector<Volume> volumes; ///< by shape slot
 };
 

@@ -61,7 +61,8 @@ struct BodySleep {
     /// Body slot + 1 of the sleeping island's first body, 0: awake; kept until its waking is reported
     std::uint32_t island;
     std::uint32_t next; ///< body slot + 1 of the next body of the sleeping island, a ring; 0: awake
-    Velocity moved;     ///< sum of the velocities of the still ticks: how far it went, in tick * m/s
+    /// Sum of the displacements of the still ticks, each times the tick rate [tick m/s, tick rad/s]
+    Velocity moved;
 };
 /// Still ticks are counted from the next one on.
 constexpr void restart(BodySleep& sleep) {

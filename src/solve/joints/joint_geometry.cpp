@@ -234,10 +234,12 @@ void set_axis_errors(JointAxisPart& part, const RowValue& value, const StepConst
     part.ahead = scaled(ahead), part.ahead_up = scaled(-ahead);
     part.push_max = scaled(step.joint_push_max);
     part.far = scaled(limit_speed_far);
-    if (part.features & has_spring) part.spring_bound = scaled_impulse(part.spring_max, e);
+    // A limit has the whole range, so that it holds what the spring and the motor push at it with, whatever their forces are.
+    if (part.features & has_spring)
+        part.spring_bound = std::min(scaled_impulse(part.spring_max, e), joint_impulse_max / 4);
     if (part.features & has_motor) {
         part.motor_bias = scaled(-part.motor_speed);
-        part.motor_bound = scaled_impulse(part.motor_max, e);
+        part.motor_bound = std::min(scaled_impulse(part.motor_max, e), joint_impulse_max / 2);
     }
     part.direction = value.direction;
     part.is_force = value.is_force;

@@ -1,6 +1,7 @@
 // Motors, springs and friction of joints against what they are defined to do; reactions, torques, and breaking.
 #include "support/about.h"
 #include "support/one_axis.h"
+#include "support/rigs/motor_at_limit.h"
 
 #include <doctest/doctest.h>
 
@@ -150,4 +151,8 @@ TEST_CASE("several joints break in one tick in the order of their ids, each with
     CHECK(w.joints(w.body_at(0)).empty());
     const JointId again = made(w.create_joint(ball_joint(), {}, w.body_at(0), at(0, 0, 0)));
     CHECK((again.generation == 2 && !w.is_alive(joints[0])));
+}
+
+TEST_CASE("a limit holds what a motor or a spring of any force presses against it") {
+    CHECK(lockstone::test::limits_fault() == "");
 }

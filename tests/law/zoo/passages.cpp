@@ -1,0 +1,14 @@
+// A bullet that passes through a sensor within a tick, or within several, begins and ends once.
+#include "law/zoo/passage.h"
+#include "support/effort.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+TEST_CASE("bullets of any shape and speed enter and leave each sensor on their way once") {
+    const int count = is_long_run() ? 100'000 : tries(2000);
+    for (int seed = 1; seed <= count; ++seed)
+        CHECK(zoo::passage_fault(static_cast<std::uint64_t>(seed)) == "");
+}
