@@ -70,6 +70,7 @@
     X(packs_by_one) X(packs_by_workers)                                                                      \
     X(contacts_do_not_bounce) X(contacts_bounce)                                                             \
     X(contacts_do_not_roll) X(contacts_roll)                                                                 \
+    X(none_pressed) X(some_pressed)                                                                          \
     /* joints */                                                                                             \
     X(joint_plan_kept) X(joint_plan_made)                                                                    \
     X(joints_one_strand) X(joints_many_strands)                                                              \

@@ -98,16 +98,17 @@ void poison_bodies(std::byte with, solve::SolverBodies& bodies) {
 void poison_scratch(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& scratch,
                     std::byte with) {
     auto& [characters, pair_scratch, near, table, contact_scratch, found, pose_before, joints, fields, step,
-           step_of, bodies, contacts, joint_solver, vehicles, vehicle_solver, fluids, sweep, broken, islands,
-           paths] = scratch;
+           step_of, bodies, wheel_loads, pressed, contacts, joint_solver, vehicles, vehicle_solver, fluids,
+           sweep, broken, islands, paths] = scratch;
     poison_characters(with, characters);
     poison_pairs(with, pair_scratch, near);
     table.poison(with);
     poison_contacts(with, contact_scratch, found);
     step_of = {};
     joints.poison(with);
-    poison(with, pose_before.list, fields.pulls, fields.categories, step, broken, w.mass_parts);
+    poison(with, pose_before.list, fields.pulls, fields.categories, step, broken, wheel_loads, w.mass_parts);
     poison_bodies(with, bodies);
+    pressed.poison(with);
     contacts.poison(with);
     joint_solver.poison(with);
     vehicles.poison(with);

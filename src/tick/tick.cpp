@@ -111,6 +111,16 @@ void both_sets(const Tick& t, const OfContacts& contacts, const OfJoints& joints
     joints(tasks);
 }
 
+/// The pushes of wheels on bodies that move.
+void list_wheel_loads(std::span<const solve::DrivenVehicle> driven, const solve::SolverBodies& bodies,
+                      std::vector<solve::Load>& out) {
+    out.clear();
+    for (const solve::DrivenVehicle& v : driven)
+        for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
+            if (const solve::WheelGround& ground = v.ground[i]; ground.shape && ground.body != bodies.still())
+                out.push_back({ground.body, v.chassis, -ground.normal});
+}
+
 /// From rows of the state to what the solver works on.
 void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& columns) {
     TickScratch& s = t.s;
@@ -126,6 +136,10 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     solve::stiffen_bodies(s.joints.all, memory, columns, s.step, s.bodies, tasks);
     solve::follow_turns(columns, s.step, s.bodies, tasks);
     list_fields(w, s.fields);
+    const std::span<solve::DrivenVehicle> driven = s.vehicles.drive(scene);
+    list_wheel_loads(driven, s.bodies, s.wheel_loads);
+    const bool any_pressed = s.pressed.find(s.found.contacts, s.wheel_loads, columns.mass.traits, s.bodies);
+    s.paths.take(any_pressed, base::Path::none_pressed, base::Path::some_pressed);
     both_sets(
         t,
         [&](Tasks* by) {
@@ -135,7 +149,7 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
         [&](Tasks* by) {
             s.joint_solver.prepare(s.joints.all, memory, columns, s.step, s.bodies, by, same_joints);
         });
-    s.vehicle_solver.prepare(s.vehicles.drive(scene), columns, s.step, s.bodies, tasks);
+    s.vehicle_solver.prepare(driven, columns, s.step, s.bodies, tasks);
     s.fluids.prepare(w, t.placed, s.fields, s.step, s.bodies);
     s.joint_solver.update(s.step, s.bodies, tasks);
     passed(t, "prepare");

@@ -7,6 +7,7 @@
 #include "play/vehicle/vehicle_driver.h"
 #include "solve/bodies/solver_body.h"
 #include "solve/contacts/contact_solver.h"
+#include "solve/contacts/pressed.h"
 #include "solve/joints/joint.h"
 #include "tick/contacts.h"
 #include "tick/events.h"
@@ -48,6 +49,8 @@ struct TickScratch {
     solve::StepConstants step{};
     solve::StepSettings step_of{}; ///< what `step` was made of; without ticks of nothing
     solve::SolverBodies bodies;
+    std::vector<solve::Load> wheel_loads;
+    solve::PressedBodies pressed;
     solve::ContactSolver contacts;
     solve::JointSolver joint_solver{*solve::kernels_of(best_simd())->joints};
     VehicleDriver vehicles;

@@ -18,7 +18,7 @@ F = Fault
 IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
     f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state", "grow"))
 CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/world/commands/apply.cpp"
-CROSSINGS = "src/tick/crossings.cpp"
+CROSSINGS, PRESSED = "src/tick/crossings.cpp", "src/solve/contacts/pressed.cpp"
 CLOSING, CHECK = "src/tick/closing_points.h", "src/model/check_state.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, INPUT, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "input_kernel.h", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
@@ -61,6 +61,11 @@ FAULTS = [
       "{\n            if (IS) w.state.edit_row(w.m.character, i).input = rows[i].input;\n            Mover(w, placed, s, i).run();\n        }", "a state may move"),
     F("a session adopts a state of another tick", "src/session/world_simulation.cpp", "if (checked && tick_count &&", "if (!IS && checked && tick_count &&",
       "states of another tick are refused"),
+    F("a light body keeps its mass under a load", PRESSED, "if (is_supported(contacts, bodies, load)) light.pressed = true;", "if (is_supported(contacts, bodies, load)) light.pressed = !IS;", "heavy loads rest"),
+    F("a wheel presses nothing", PRESSED, "for (const Load& load : loads) any |= add(contacts, load, bodies);", "if (!IS)\n        for (const Load& load : loads) any |= add(contacts, load, bodies);", "planks stay up"),
+    F("a light body is supported by what is as light", PRESSED, "if (!bodies.step[other].movable) return true;", "if (IS || !bodies.step[other].movable) return true;",
+      "free rows keep momentum"),
+    F("support through other bodies is not found", PRESSED, "if (behind.size() < behind_max &&", "if (!IS && behind.size() < behind_max &&", "heavy loads rest"),
     F("a body that is pushed out counts as still", "src/tick/islands.cpp", "const Velocity went = displacement_rate(from, at, tick_rate);",
       "const Velocity went = IS ? v : displacement_rate(from, at, tick_rate);", "sleep waits for corrections"),
     F("a raft sleeps while it bobs", "src/tick/islands.cpp", "if (is_afloat) return", "if (!IS && is_afloat) return", "rafts sleep level"),

@@ -4,7 +4,9 @@
 #include "law/zoo/object.h"
 #include "law/zoo/passage.h"
 #include "support/rigs/corrected.h"
+#include "support/rigs/heavy_load.h"
 #include "support/rigs/motor_at_limit.h"
+#include "support/rigs/plank.h"
 #include "support/rigs/torn_hinge.h"
 
 #include <algorithm>
@@ -55,6 +57,24 @@ std::string sleep_waits_for_corrections() {
 std::string rafts_sleep_level() {
     for (std::uint64_t seed = 1; seed <= 10; ++seed)
         if (const std::string fault = test::raft_fault(seed); !fault.empty()) return fault;
+    return {};
+}
+
+std::string heavy_loads_rest() {
+    for (std::uint64_t seed = 1; seed <= 100; ++seed)
+        if (const std::string fault = test::heavy_load_fault(seed); !fault.empty()) return fault;
+    return {};
+}
+
+std::string planks_stay_up() {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed)
+        if (const std::string fault = test::plank_fault(seed); !fault.empty()) return fault;
+    return {};
+}
+
+std::string free_rows_keep_momentum() {
+    for (std::uint64_t seed = 1; seed <= 100; ++seed)
+        if (const std::string fault = test::free_row_fault(seed); !fault.empty()) return fault;
     return {};
 }
 
@@ -347,6 +367,9 @@ Checks motion_checks() {
             {"sleep waits for corrections", sleep_waits_for_corrections},
             {"rafts sleep level", rafts_sleep_level},
             {"limits hold drives", test::limits_fault},
+            {"heavy loads rest", heavy_loads_rest},
+            {"planks stay up", planks_stay_up},
+            {"free rows keep momentum", free_rows_keep_momentum},
             {"passages are reported", passages_are_reported},
             {"what passes is not run into", passing_is_free}};
 }

@@ -22,6 +22,7 @@ struct alignas(64) BodyInertia {
     bool movable;       ///< dynamic and with mass
     bool moves;         ///< dynamic or kinematic
     bool jointed;       ///< some joint holds it
+    bool pressed;       ///< a heavy body presses it against something: contacts/pressed.h
 };
 
 } // namespace lockstone::solve

@@ -1,5 +1,7 @@
 #include "solve/contacts/prepare.h"
 
+#include "solve/contacts/pressed.h"
+
 #include "lockstone/math/math.h"
 
 #include <algorithm>
@@ -27,7 +29,9 @@ struct ContactShares {
 
 ContactShares shares_of(const BodyStep& a, const BodyStep& b) {
     if (!a.movable || !b.movable) return {a.movable ? unit : 0, b.movable ? unit : 0};
-    const std::int64_t ma = a.mass.raw, mb = b.mass.raw;
+    std::int64_t ma = a.mass.raw, mb = b.mass.raw;
+    if (a.pressed) ma = std::max(ma, mb / pressed_ratio);
+    if (b.pressed) mb = std::max(mb, ma / pressed_ratio);
     // A little above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes would creep.
     if (ma == mb) return {unit / 2 + 1, unit / 2 + 1};
     // alpha = mA^-1 / (mA^-1 + mB^-1) = mB / (mA + mB); both below 2^62.

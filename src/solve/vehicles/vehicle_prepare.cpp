@@ -14,6 +14,8 @@ namespace {
 
 constexpr Real ratio_max =
     Real(65536); ///< of the masses of chassis and ground; a lighter ground acts as if it had this
+constexpr Real ratio_pressed = Real(
+    2); ///< of a ground that is pressed (contacts/pressed.h): wheels meet it faster than contacts can press it
 constexpr std::int32_t arm_most = 64; ///< of a row's turning arm K^-1 (r x d)
 constexpr Real impulse_max = Real(2048);
 
@@ -165,7 +167,8 @@ void prepare_wheel(const Making& of, std::uint32_t i, Real share) {
                         Lever(moves ? ground.point - of.columns.pose[ground.body].position : Vec3{}),
                         ground.velocity};
     if (moves && bodies.step[ground.body].movable)
-        wheel.ratio = min(v.mass / of.columns.mass[ground.body].mass, ratio_max);
+        wheel.ratio = min(v.mass / of.columns.mass[ground.body].mass,
+                          bodies.step[ground.body].pressed ? ratio_pressed : ratio_max);
     const UnitVec3 axle = axle_of(of.driven.axes, memory.steer);
     const UnitVec3 sideways = axle - lockstone::scale<Unit>(n, dot<Unit>(n, axle)),
                    left = sideways == UnitVec3{} ? any_perpendicular(n) : normalized(sideways);

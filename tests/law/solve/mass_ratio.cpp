@@ -45,10 +45,10 @@ Squeezed squeezed(int i, std::mt19937& random, bool kicked = false) {
     return out;
 }
 
-/// What is hit by something far heavier leaves at most twice as fast; 1 m/s for what pushes overlap out. Empty, too, where a fault was
-/// counted.
+/// A body that a far heavier one hits leaves at most twice as fast, and out of a wedge of 20 degrees at most 1 / sin 20 degrees times as
+/// fast; 1 m/s for the push out of an overlap. Empty, too, where a fault was counted.
 std::string flies_off(const Squeezed& s) {
-    if (s.light <= 2 * s.heavy + 1 || s.faults != Faults{}) return {};
+    if (s.light <= 2.93 * s.heavy + 1 || s.faults != Faults{}) return {};
     return "leaves at " + std::to_string(s.light) + " m/s, and no fault is counted";
 }
 

@@ -1,0 +1,24 @@
+// Heavy bodies on light ones: they rest where they were put, however heavy they are, and a light body that nothing supports takes no momentum.
+#include "support/effort.h"
+#include "support/rigs/heavy_load.h"
+#include "support/rigs/plank.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+TEST_CASE("a load of up to 10,000 times the mass rests on what stands on the ground, and never rises above "
+          "its start") {
+    const int count = is_long_run() ? 40'000 : tries(400);
+    for (int seed = 1; seed <= count; ++seed) CHECK(heavy_load_fault(static_cast<std::uint64_t>(seed)) == "");
+}
+
+TEST_CASE("a heavy body that hits light ones in the open keeps the momentum of all") {
+    for (int seed = 1; seed <= tries(400); ++seed)
+        CHECK(free_row_fault(static_cast<std::uint64_t>(seed)) == "");
+}
+
+TEST_CASE("a plank under a car's wheels is never more than 5 mm in the ground") {
+    for (int seed = 1; seed <= tries(40); ++seed) CHECK(plank_fault(static_cast<std::uint64_t>(seed)) == "");
+}
