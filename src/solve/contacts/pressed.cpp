@@ -88,6 +88,12 @@ bool PressedBodies::find(std::span<const Contact> contacts, std::span<const Load
     return any;
 }
 
+void PressedBodies::reserve(std::size_t bodies, std::size_t contacts) {
+    first.reserve(bodies + 3); // one more for SolverBodies::still()
+    of_body.reserve(2 * contacts);
+    behind.reserve(behind_max);
+}
+
 void PressedBodies::poison(std::byte with) {
     auto& [first_list, contact_list, listed, body_list] = *this;
     base::poison(with, first_list, contact_list, listed, body_list);

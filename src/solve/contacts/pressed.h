@@ -32,7 +32,8 @@ class PressedBodies {
     /// prepared. Returns true where there are any. The order of `contacts` is the same in every execution mode.
     bool find(std::span<const Contact> contacts, std::span<const Load> loads,
               std::span<const BodyTraits> traits, SolverBodies& bodies);
-    /// Fills what find() makes anew with a byte.
+    void reserve(std::size_t bodies, std::size_t contacts);
+    /// Fills with a byte the lists that find() makes in each tick.
     void poison(std::byte with);
 
   private:
