@@ -133,8 +133,9 @@ void for_each_candidate(const Sweeper& s, std::uint32_t row, SweepScratch& scrat
             if ((s.traits(other).sensor != 0) == (s.traits(shape).sensor != 0) ||
                 s.traits(other).geometry.kind == ShapeKind::plane)
                 continue;
-            const bool is_seen_twice =
-                s.info[other_row].kind == BodyKind::dynamic && s.is_bullet(other_row) && other_row < row;
+            const bool is_seen_twice = s.info[other_row].kind == BodyKind::dynamic &&
+                                       s.is_bullet(other_row) && other_row < row &&
+                                       s.pose_before(other_row) != s.pose[other_row];
             if (is_seen_twice || !may_meet(s.w, shape, other)) continue;
             const Sweep theirs = s.sweep(other_row, other);
             // Between two poses without overlap lies more than the shape itself.

@@ -31,7 +31,7 @@ struct TickScratch {
         table.reserve(rows.contacts);
         contact_scratch.reserve(rows.contacts), found.reserve(rows.contacts);
         near.ended.reserve(rows.contacts), contacts.reserve(rows.contacts, rows.bodies);
-        pressed.reserve(rows.bodies, rows.contacts);
+        pressed.reserve(rows.bodies, rows.contacts), wheel_loads.reserve(rows.bodies);
     }
 
     CharacterScratch characters;

@@ -38,43 +38,9 @@ std::string peers_agree() {
     return {};
 }
 
-std::string machines_come_back() {
-    for (const HostileScene& scene : join_scenes())
-        if (const std::string wrong = scene.run(); !wrong.empty())
-            return std::string(scene.name) + ": " + wrong;
-    return {};
-}
-
-std::string relays_serve() {
-    for (const HostileScene& scene : relay_scenes())
-        if (const std::string wrong = scene.run(); !wrong.empty())
-            return std::string(scene.name) + ": " + wrong;
-    return {};
-}
-
-std::string sessions_end_first() {
-    for (const HostileScene& scene : lifetime_scenes())
-        if (const std::string wrong = scene.run(); !wrong.empty())
-            return std::string(scene.name) + ": " + wrong;
-    return {};
-}
-
-std::string large_inputs_keep_up() {
-    for (const HostileScene& scene : large_input_scenes())
-        if (const std::string wrong = scene.run(); !wrong.empty())
-            return std::string(scene.name) + ": " + wrong;
-    return {};
-}
-
-std::string shows_ahead() {
-    for (const HostileScene& scene : run_ahead_scenes())
-        if (const std::string wrong = scene.run(); !wrong.empty())
-            return std::string(scene.name) + ": " + wrong;
-    return {};
-}
-
-std::string hostile_peers() {
-    for (const HostileScene& scene : hostile_scenes())
+/// The first scene that goes wrong.
+std::string first_wrong(const std::vector<HostileScene>& scenes) {
+    for (const HostileScene& scene : scenes)
         if (const std::string wrong = scene.run(); !wrong.empty())
             return std::string(scene.name) + ": " + wrong;
     return {};
@@ -121,12 +87,12 @@ std::string unordered_events_are_told_once() {
 
 Checks session_checks() {
     return {{"peers agree", peers_agree},
-            {"hostile peers", hostile_peers},
-            {"machines come back", machines_come_back},
-            {"relays serve", relays_serve},
-            {"sessions end before their runners", sessions_end_first},
-            {"large inputs keep up", large_inputs_keep_up},
-            {"shows ahead", shows_ahead},
+            {"hostile peers", [] { return first_wrong(hostile_scenes()); }},
+            {"machines come back", [] { return first_wrong(join_scenes()); }},
+            {"relays serve", [] { return first_wrong(relay_scenes()); }},
+            {"sessions end before their runners", [] { return first_wrong(lifetime_scenes()); }},
+            {"large inputs keep up", [] { return first_wrong(large_input_scenes()); }},
+            {"shows ahead", [] { return first_wrong(run_ahead_scenes()); }},
             {"joints that break are told", broken_joints_are_told},
             {"states of another tick are refused", other_ticks_refused},
             {"events out of order are told once", unordered_events_are_told_once},

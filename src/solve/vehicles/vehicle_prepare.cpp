@@ -14,8 +14,8 @@ namespace {
 
 constexpr Real ratio_max =
     Real(65536); ///< of the masses of chassis and ground; a lighter ground acts as if it had this
-constexpr Real ratio_pressed = Real(
-    2); ///< of a ground that is pressed (contacts/pressed.h): wheels meet it faster than contacts can press it
+/// The largest ratio for a ground that is pressed (contacts/pressed.h); half of pressed_ratio, because wheels press faster than contacts give way.
+constexpr Real ratio_pressed = Real(2);
 constexpr std::int32_t arm_most = 64; ///< of a row's turning arm K^-1 (r x d)
 constexpr Real impulse_max = Real(2048);
 

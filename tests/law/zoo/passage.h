@@ -62,16 +62,18 @@ inline std::string passage_fault(std::uint64_t seed) {
                spin = is_driven ? scene::vec(6 * part(), 6 * part(), 0) : Vec3{};
     ShapeDef of_still{.geometry = still.geometry}, of_shot{.geometry = shot.geometry};
     (carries_sensor ? of_shot : of_still).sensor = 1;
-    scene::add(w,
-               {.kind = is_driven ? BodyKind::kinematic : BodyKind::static_,
-                .pose = scene::at(0, 0, 0, turn()),
-                .linear_velocity = drift,
-                .angular_velocity = spin},
-               of_still);
+    // Both bodies may be bullets: then each is swept against the other.
+    const bool are_both_bullets = random.below(3) == 0;
+    BodyDef other{.kind = is_driven ? BodyKind::kinematic : BodyKind::static_,
+                  .pose = scene::at(0, 0, 0, turn()),
+                  .linear_velocity = drift,
+                  .angular_velocity = spin};
+    if (are_both_bullets) other.kind = BodyKind::dynamic, other.mass = Real(1), other.bullet = 1;
+    scene::add(w, other, of_still);
     BodyDef bullet{.pose = scene::at(-begin, beside, 0, turn()),
                    .linear_velocity = scene::vec(speed + drift_x, 0, drift_z),
                    .angular_velocity = scene::vec(9 * part(), 9 * part(), 9 * part())};
-    bullet.bullet = 1;
+    bullet.mass = Real(1), bullet.bullet = 1;
     scene::add(w, bullet, of_shot);
     std::string order;
     const int ticks = static_cast<int>(2 * begin / speed * def.tick_rate) + 4;

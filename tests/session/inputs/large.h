@@ -29,10 +29,11 @@ inline std::vector<HostileScene> large_input_scenes() {
              return keeps_up(
                  {.link = {.latency_ms = 150, .jitter_ms = 5, .loss_permille = 50}, .noise_bytes = noise});
          }},
-        {"two players of 64 bytes on each machine, 80 ms one way",
+        {"two players of 64 bytes on each machine, 110 ms one way, 5 % lost",
          [] {
-             return keeps_up(
-                 {.players = {0, 0, 1, 1}, .link = {.latency_ms = 80, .jitter_ms = 5}, .noise_bytes = noise});
+             return keeps_up({.players = {0, 0, 1, 1},
+                              .link = {.latency_ms = 110, .jitter_ms = 5, .loss_permille = 50},
+                              .noise_bytes = noise});
          }},
     };
 }
