@@ -44,7 +44,9 @@ struct WorldDef {
     Real restitution_speed_min = Real(1); ///< [m/s]: slower impacts do not bounce
     Real contact_hertz = Real(90);        ///< stiffness of contacts, at most 3 / 16 of the substep rate
     Real contact_damping = Real(10);      ///< damping ratio of contacts
-    Real push_speed_max = Real(3);        ///< [m/s]: how fast overlap is pushed out
+    /// [m/s]: how fast overlap is pushed out. Of a body that a joint holds, a tenth of it: its joints keep the speed that contacts
+    /// give to it.
+    Real push_speed_max = Real(3);
     /// [m/s]. A body is at rest while no point of it is faster; or while none is four times as fast, and none is farther
     /// than sleep_speed * sleep_time from where it was. A body that contacts or joints push to its place is as fast as it moves.
     /// A body at the surface of a fluid is at rest while no point of it is faster than a 16th.

@@ -4,6 +4,7 @@
 #include "law/zoo/object.h"
 #include "law/zoo/passage.h"
 #include "support/rigs/corrected.h"
+#include "support/rigs/fallen_ragdoll.h"
 #include "support/rigs/heavy_load.h"
 #include "support/rigs/motor_at_limit.h"
 #include "support/rigs/plank.h"
@@ -341,6 +342,8 @@ Checks motion_checks() {
             {"sleep waits for corrections", sleep_waits_for_corrections},
             {"rafts sleep level", [] { return first_fault(test::raft_fault, 10); }},
             {"limits hold drives", test::limits_fault},
+            {"overlap is pushed out", [] { return first_fault(test::push_fault, 10); }},
+            {"ragdolls land", [] { return first_fault(test::fallen_ragdoll_fault, 20); }},
             {"heavy loads rest", [] { return first_fault(test::heavy_load_fault, 100); }},
             {"planks stay up", [] { return first_fault(test::plank_fault, 10); }},
             {"free rows keep momentum", [] { return first_fault(test::free_row_fault, 100); }},

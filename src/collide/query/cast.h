@@ -88,7 +88,8 @@ inline constexpr Length stop_gap = decimal<Length>("0.002");
 /// at steps lower than this.
 inline constexpr Length seam_height = decimal<Length>("0.006");
 
-/// Where a limb is stopped, its joints come apart: it is stopped later.
+/// A limb that is stopped is torn from its joints. So a body that joints hold may enter what it meets, as long as contacts push it out to the
+/// side that it came from.
 enum class Held : std::uint8_t { not_at_all, by_joints };
 
 /// Appends the directions, in world axes from A to B, in which pieces of A are nearer than stop_gap to B at the start.
@@ -99,9 +100,11 @@ void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const sha
 /// (part, triangle) of A:
 ///   apart by more than stop_gap at the start: where the shape comes within stop_gap. A shape that touches something
 ///     (`touching`) is lifted off it by seam_height, and passes if it meets nothing then. A rounded shape passes, too, that
-///     never enters by half of its rounding, three quarters where joints hold it: contacts push it out.
+///     never enters by half of its rounding: contacts push it out.
 ///   nearer, or passed: where its core, a ball of half its inner radius, comes within stop_gap or half of its distance at
 ///     the start; where the core overlaps the piece at the start, the same of the core's centre.
+/// A body that joints hold is stopped where its core's centre would come within stop_gap, or half of its distance at the start. A plane does not
+/// stop it, nor does a box (not one of a compound) where the centre ends in front of the middle of the box, on the side where it began.
 /// One-sided triangles do not stop what starts behind them.
 Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b, const Sweep& sweep_b,
                    std::span<const UnitVec3> touching, Held held, NarrowScratch& scratch);

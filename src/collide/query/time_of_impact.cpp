@@ -367,10 +367,12 @@ bool stays_beside(const Start& start, const Obstacle& o, std::int64_t approach_m
     return false;
 }
 
-/// The ball of half the inner radius about the core's centre.
-Mover core_ball(const Mover& whole) {
-    return ball_of(whole, Coordinate::from_raw(shapes::inner_radius(*whole.solid).raw / 2));
+/// Half the inner radius.
+Coordinate core_radius(const Mover& whole) {
+    return Coordinate::from_raw(shapes::inner_radius(*whole.solid).raw / 2);
 }
+/// The ball of that radius about the core's centre.
+Mover core_ball(const Mover& whole) { return ball_of(whole, core_radius(whole)); }
 
 /// A core that is nearer than this at the start does not move towards the piece at all. Without this end each tick would halve the rest of the
 /// gap.
@@ -386,9 +388,10 @@ std::int64_t comes_nearer_30(const Ways& w, const Obstacle& o, const Mover& ball
     return dot_dropped(shifted(raw(center(Unit{}) - center(unit_one)), 2), direction_30, 30);
 }
 
-/// The core against a piece: that ball, or where it overlaps the piece at the start, its centre.
-Unit core_stop(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole, Unit until) {
-    for (const Mover& ball : {core_ball(whole), ball_of(whole, Coordinate{})}) {
+/// The core against a piece: a ball of that radius about its centre, or where it overlaps the piece at the start, its centre.
+Unit core_stop(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole,
+               Coordinate radius, Unit until) {
+    for (const Mover& ball : {ball_of(whole, radius), ball_of(whole, Coordinate{})}) {
         const Standing begin = standing.of(ball);
         if (Above(w, begin, o, ball).keeps(ball.radius.raw)) return unit_one;
         const Measured start = measure(begin, o, anything_30);
@@ -412,23 +415,39 @@ Vec3 lift_of(std::span<const UnitVec3> touching) {
 }
 
 /// A rounded shape that never enters a piece by half of its rounding is not stopped: contacts push it out of that. What moves by half
-/// its inner radius is not swept at all, so it may be as deep. Of a body that joints hold, three quarters.
-int thin_bits_of(Held held) { return held == Held::by_joints ? 2 : 1; }
-bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole, Held held) {
+/// its inner radius is not swept at all, so it may be as deep.
+constexpr int dip_bits = 1;
+bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole) {
     Mover thin = whole;
-    thin.thin_bits = thin_bits_of(held);
+    thin.thin_bits = dip_bits;
     if (whole.solid->geometry.radius == Length{}) return false;
     return advance(w, o, thin, stop_gap_30, unit_one) == unit_one;
 }
 /// Whether a side tells it, for a shape that starts apart from the piece, or whose core keeps above that side, too.
-bool is_told_to_pass(const Ways& w, const Standing& begin, const Obstacle& o, const Mover& whole, Held held,
+bool is_told_to_pass(const Ways& w, const Standing& begin, const Obstacle& o, const Mover& whole,
                      Above& above) {
     const std::int64_t radius = begin.shape.radius.raw;
-    if (whole.solid->geometry.radius == Length{} || !above.keeps(radius >> thin_bits_of(held))) return false;
+    if (whole.solid->geometry.radius == Length{} || !above.keeps(radius >> dip_bits)) return false;
     if (above.is_apart(radius)) return true;
     const Mover ball = core_ball(whole);
     const Standing core = begin.of(ball);
     return Above(w, core, o, ball).keeps(ball.radius.raw);
+}
+
+/// True if the core's centre ends in front of the middle of a plane or of a box, on the side where it begins: contacts push it out to that side
+/// then. A limb that is stopped is torn from its joints, and a foot sinks by centimetres where a body comes down on it.
+bool is_pushed_out(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole) {
+    if (o.kind == Obstacle::Kind::plane) return true;
+    if (o.kind != Obstacle::Kind::convex || o.place != nullptr || o.solid->geometry.kind != ShapeKind::box)
+        return false;
+    const Mover centre = ball_of(whole, Coordinate{});
+    const auto side_of = [&](const Standing& s) {
+        return side_of_box(o.solid->geometry,
+                           s.place_24 + shifted(support(s.shape, Long3{one_30, 0, 0}).at_30, 6));
+    };
+    const Side first = side_of(standing.of(centre)), last = side_of(Standing::at(w, centre, unit_one, false));
+    // Beyond the middle another side is nearer.
+    return first.above_30 > 0 && dot_dropped(first.normal_30, last.normal_30, 30) > 0;
 }
 
 Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Mover& whole, Vec3 lift,
@@ -438,20 +457,23 @@ Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Move
     if (stays_beside(begin, o, approach_max)) return unit_one;
     Above above(w, begin.standing, o, whole);
     if (above.keeps(begin.standing.shape.radius.raw)) return unit_one;
-    if (is_told_to_pass(w, begin.standing, o, whole, held, above)) return unit_one;
+    const bool is_limb = held == Held::by_joints;
+    if (is_limb ? is_pushed_out(w, begin.standing, o, whole)
+                : is_told_to_pass(w, begin.standing, o, whole, above))
+        return unit_one;
     const std::int64_t reachable = approach_max + 2 * touching_gap_30;
     const Measured at_start = measure(begin.standing, o, reachable);
     const Between& start = at_start.gap;
     if (!start.overlap && start.distance_30 > reachable) return unit_one;
-    if (!start.overlap && start.distance_30 > touching_gap_30) {
+    if (!is_limb && !start.overlap && start.distance_30 > touching_gap_30) {
         const Unit stop = advance(w, o, whole, stop_gap_30, until, &at_start);
-        if (stop == unit_one || sinks_little(w, o, whole, held)) return unit_one;
+        if (stop == unit_one || sinks_little(w, o, whole)) return unit_one;
         if (lift == Vec3{}) return stop;
         Mover lifted = whole;
         lifted.shift = lift;
         if (advance(w, o, lifted, stop_gap_30, unit_one) < unit_one) return stop;
     }
-    return core_stop(w, begin.standing, o, whole, until);
+    return core_stop(w, begin.standing, o, whole, is_limb ? Coordinate{} : core_radius(whole), until);
 }
 
 } // namespace

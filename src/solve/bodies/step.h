@@ -28,6 +28,7 @@ struct StepConstants {
     Speed linear_speed_max;           ///< [m/s]: 500, and 15 m in a tick
     Speed tip_speed_max;              ///< [m/s]: 170 of u = K w, and 2 m in a tick
     Speed push_speed_max;             ///< [m/s]
+    Speed push_jointed;               ///< [m/s]: of bodies that joints hold, see step_constants()
     Speed restitution_speed_min;      ///< [m/s]
     Softness soft, soft_static;       ///< against dynamic bodies; against what does not move
     SpringSoftness joint;             ///< of locks that are solved one after another

@@ -376,7 +376,7 @@ static PassSettings settings_of(const StepConstants& step, bool bias) {
     const std::int64_t gap_max =
         (std::int64_t{impulse_limit} << (gap_bits - speed_bits)) / step.substeps_per_second;
     return {static_cast<std::int32_t>(step.substeps_per_second),
-            static_cast<std::int32_t>(std::min<std::int64_t>(gap_max, 0x7fffffff)), step.push_speed_max.raw,
+            static_cast<std::int32_t>(std::min<std::int64_t>(gap_max, 0x7fffffff)),
             step.restitution_speed_min.raw, bias};
 }
 

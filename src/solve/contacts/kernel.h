@@ -223,7 +223,7 @@ template <class L> class Kernel {
         if (!s.soft) return closes & apart;
         const Speed parts =
             rounded<speed_bits>(max(gap, Gap::splat(-overlap_max)) * Speed::load(c.bias_rate));
-        return select(apart, closes, max(parts, Speed::splat(-s.push_speed_max)));
+        return select(apart, closes, max(parts, Speed::load(c.push)));
     }
 
     /// Along the normal: level and tilts.

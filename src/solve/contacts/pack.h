@@ -52,7 +52,8 @@ template <unsigned N> struct ContactPack {
     std::int32_t response[6][N];                       ///< S by rows of the lower triangle
     std::int32_t slide_inverse[6][N];
     std::int32_t bias_rate[N], mass_scale[N], impulse_scale[N]; ///< speed_bits, Unit, Unit
-    std::int32_t friction[N];                                   ///< row_bits
+    std::int32_t push[N];     ///< minus the greatest speed that pushes overlap out, speed_bits
+    std::int32_t friction[N]; ///< row_bits
     /// Speed of the surface of b against that of a along the tangents, added to that of the bodies
     std::int32_t surface[2][N];
     std::int32_t slide[3][N]; ///< impulses along the tangents, and of the twist
@@ -116,7 +117,6 @@ struct Rolling {
 struct PassSettings {
     std::int32_t substeps_per_second;
     std::int32_t gap_max;          ///< beyond it the speed that closes a gap within a substep has no meaning
-    std::int32_t push_speed_max;   ///< speed_bits
     std::int32_t bounce_speed_min; ///< what comes in slower does not bounce, speed_bits
     bool soft;                     ///< overlap is pushed out softly; without, what the push left is relaxed
 };

@@ -115,10 +115,16 @@ struct PackHead {
     std::uint32_t movable_a = 0, movable_b = 0, keeps = 0, locked = 0, points = 0;
 };
 
+/// Contacts with something that does not move are stiffer.
+const Softness& softness_of(const BodyStep& a, const BodyStep& b, const StepConstants& step) {
+    return a.movable && b.movable ? step.soft : step.soft_static;
+}
+
 /// What a contact has once: bodies, shares, surface, softness.
 template <unsigned N>
 void fill_head(ContactPack<N>& pack, PackHead& head, unsigned lane, const Contact& contact,
-               const BodyStep& sa, const BodyStep& sb, const solve::Softness& soft) {
+               const BodyStep& sa, const BodyStep& sb, const StepConstants& step) {
+    const Softness& soft = softness_of(sa, sb, step);
     const ContactShares shares = shares_of(sa, sb);
     pack.body_a[lane] = contact.body_a, pack.body_b[lane] = contact.body_b;
     head.movable_a |= (sa.movable ? 1u : 0u) << lane, head.movable_b |= (sb.movable ? 1u : 0u) << lane;
@@ -129,6 +135,7 @@ void fill_head(ContactPack<N>& pack, PackHead& head, unsigned lane, const Contac
     head.keeps |= (jointed && contact.restitution == Unit{} ? 1u : 0u) << lane;
     pack.share_a[lane] = low(shares.a), pack.share_b[lane] = low(shares.b);
     pack.bias_rate[lane] = soft.bias_rate.raw;
+    pack.push[lane] = -(jointed ? step.push_jointed : step.push_speed_max).raw;
     pack.mass_scale[lane] = soft.mass_scale.raw, pack.impulse_scale[lane] = soft.impulse_scale.raw;
     pack.friction[lane] = contact.friction.raw;
 }
@@ -143,12 +150,11 @@ template <unsigned N>
 void fill_lane(ContactPack<N>& pack, PackHead& head, PackSource& source, unsigned lane,
                const Contact& contact, const PrepareInput& in) {
     const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
-    const solve::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
-    fill_head(pack, head, lane, contact, sa, sb, soft);
+    fill_head(pack, head, lane, contact, sa, sb, in.step);
     source.contacts[lane] = &contact;
     source.a[lane] = &inertia_of(sa), source.b[lane] = &inertia_of(sb);
     source.arms_of_b[lane] = sb.movable ? -1 : 0;
-    source.ease[lane] = soft.ease.raw;
+    source.ease[lane] = softness_of(sa, sb, in.step).ease.raw;
     const auto is_locked = [](const BodyStep& s) { return (s.linear_mask & s.angular_mask) != 7u; };
     source.has_locks = source.has_locks || (sa.movable && is_locked(sa)) || (sb.movable && is_locked(sb));
 }

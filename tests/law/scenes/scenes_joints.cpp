@@ -29,8 +29,8 @@ double widest_gap(const World& w) {
     return widest;
 }
 
-/// Nothing drives these scenes: energy only falls, and the widest joint is narrower than `gap` [m].
-std::string scene_fault(const char* name, std::uint32_t size, int ticks, double gap) {
+/// No motor drives these scenes: energy grows by no more than a part of `growth` in a tick, and the widest joint is narrower than `gap` [m].
+std::string scene_fault(const char* name, std::uint32_t size, int ticks, double gap, double growth = 0.01) {
     SceneOptions options;
     options.size = size;
     const auto game = made(make_scene(name, options));
@@ -40,7 +40,7 @@ std::string scene_fault(const char* name, std::uint32_t size, int ticks, double 
         REQUIRE(game->advance(w, {}).ok());
         const std::string when = std::string(name) + ", tick " + std::to_string(t) + ": ";
         const double now = energy_of(w), apart = widest_gap(w);
-        if (now > 1.01 * before)
+        if (now > (1 + growth) * before)
             return when + "energy grows from " + std::to_string(before) + " to " + std::to_string(now) + " J";
         if (apart > gap) return when + "a joint is apart by " + std::to_string(apart) + " m";
         if (w.faults().speed_clamped != 0) return when + "a speed was clamped";
@@ -88,13 +88,13 @@ TEST_CASE("the joints of bridges, chains and ragdolls hold, and hand out no ener
     CHECK(scene_fault("wrecking-ball", 20, 400, 0.06) == "");
     CHECK(scene_fault("wrecking-ball", 30, 2000, 0.06) ==
           ""); // its chain falls slack and is snatched again and again
-    // a limb that is stopped on its way by the stairs is late by a tick
-    CHECK(scene_fault("ragdolls", 10, 200, 0.2) == "");
-    CHECK(scene_fault("ragdolls", 20, 200, 0.2) == "");
+    // A foot that carries a whole figure sinks in when it lands, and gives a part of that back in the next ticks.
+    CHECK(scene_fault("ragdolls", 10, 200, 0.1, 0.02) == "");
+    CHECK(scene_fault("ragdolls", 20, 200, 0.1, 0.02) == "");
 }
 
 // Where limits did not take points along (solve/joints/axis_with_point.h), a figure of one of these falls came apart by 0.67 m.
-TEST_CASE("of two dozen heaps of ragdolls none comes apart by 0.2 m, the middle one not by 0.1 m" *
+TEST_CASE("of two dozen heaps of ragdolls none comes apart by 0.2 m, the middle one not by 0.05 m" *
           doctest::skip(test::is_too_long_here())) {
     std::vector<double> widest;
     for (std::uint32_t seed = 1; seed <= 24; ++seed) {
@@ -107,12 +107,12 @@ TEST_CASE("of two dozen heaps of ragdolls none comes apart by 0.2 m, the middle 
         }
     }
     std::ranges::sort(widest);
-    CHECK(widest[12] < 0.1);
+    CHECK(widest[12] < 0.05);
     CHECK(widest.back() < 0.2);
 }
 
 TEST_CASE("planted fault: joints that come apart by more than is asked are found") {
-    CHECK(scene_fault("ragdolls", 10, 100, 0.001).find("a joint is apart") != std::string::npos);
+    CHECK(scene_fault("ragdolls", 10, 100, 0.0001, 0.02).find("a joint is apart") != std::string::npos);
 }
 
 TEST_CASE(

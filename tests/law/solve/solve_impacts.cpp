@@ -25,7 +25,7 @@ template <unsigned N> ContactPack<N> pack_of(Random& random) {
     for (unsigned lane = 0; lane < N; ++lane) {
         pack.body_a[lane] = 2 * lane, pack.body_b[lane] = 2 * lane + 1;
         pack.several[lane] = pack.point_count > 1 ? -1 : 0;
-        pack.friction[lane] = 1 << row_bits;
+        pack.friction[lane] = 1 << row_bits, pack.push[lane] = -(1 << speed_bits);
         pack.share_a[lane] = within(1 << 30), pack.share_b[lane] = within(1 << 30);
         for (int r = 0; r < 3; ++r) {
             for (int i = 0; i < 3; ++i)
@@ -58,7 +58,7 @@ template <unsigned N> void compare(const ContactKernel& kernel) {
         for (WarmStart& start : warm) start.v[0] = random.below(2) == 0 ? INT64_MAX - 5 : INT64_MIN + 5;
         other = warm;
         const std::int64_t start = warm[0].v[0];
-        const PassSettings settings{240, 1 << gap_bits, 1 << speed_bits, 1 << speed_bits, false};
+        const PassSettings settings{240, 1 << gap_bits, 1 << speed_bits, false};
         kernel.solve(&at_once, 0, 1, {bodies.data(), warm.data(), arrival.data(), nullptr}, settings);
         kernel.solve(&one_by_one, 0, 1, {bodies.data(), other.data(), arrival.data(), nullptr}, settings);
         wrapped += (warm[0].v[0] < 0) != (start < 0);
@@ -82,7 +82,7 @@ template <unsigned N> void compare_lacking(const ContactKernel& kernel) {
     Random random = Random::seeded(200 + N);
     constexpr std::int32_t far_away = INT32_MAX, a_second = 240;
     const PassSettings settings{a_second, (impulse_limit / a_second) << (gap_bits - speed_bits),
-                                1 << speed_bits, 1 << speed_bits, false};
+                                1 << speed_bits, false};
     int moved = 0;
     for (int round = 0; round < 2000; ++round) {
         ContactPack<N> alone = pack_of<N>(random);

@@ -17,6 +17,10 @@ TEST_CASE("a body that begins inside another one sleeps outside of it") {
         CHECK(buried_body_fault(static_cast<std::uint64_t>(seed)) == "");
 }
 
+TEST_CASE("overlap is pushed out at push_speed_max, and at a tenth of it where a joint holds the body") {
+    for (int seed = 1; seed <= tries(60); ++seed) CHECK(push_fault(static_cast<std::uint64_t>(seed)) == "");
+}
+
 TEST_CASE("a raft sleeps within 2 mm of its waterline") {
     for (int seed = 1; seed <= tries(40); ++seed) CHECK(raft_fault(static_cast<std::uint64_t>(seed)) == "");
 }

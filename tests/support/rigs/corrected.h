@@ -9,10 +9,6 @@
 
 namespace lockstone::test {
 
-inline double drawn(SplitMix& random, double low, double high) {
-    return low + (high - low) * static_cast<double>(random.below(1u << 20)) / (1u << 20);
-}
-
 /// A body without gravity that a joint pulls from far off. Returns a sentence where it sleeps further off than 0.1 degrees or 1 mm.
 inline std::string pulled_body_fault(std::uint64_t seed) {
     SplitMix random(seed);
@@ -63,6 +59,40 @@ inline std::string buried_body_fault(std::uint64_t seed) {
     return depth <= 0.001
                ? ""
                : "seed " + std::to_string(seed) + ": the box sleeps " + std::to_string(depth) + " m deep";
+}
+
+/// A box that begins inside a static box, alone or held by a joint. Returns a sentence where overlap is pushed out faster than push_speed_max,
+/// of a body that a joint holds than a tenth of it, or slower than half of that.
+inline std::string push_fault(std::uint64_t seed) {
+    SplitMix random(seed);
+    const double most = drawn(random, 0.5, 5), half = drawn(random, 0.4, 1);
+    WorldDef def = scene::weightless(scene::drowsy_def());
+    def.push_speed_max = scene::real(most);
+    World w = scene::made(World::create(def));
+    scene::add_wall(w, scene::at(0, -3, 0), scene::vec(3, 3, 3));
+    const Geometry cube = box(scene::real(half), scene::real(half), scene::real(half));
+    const BodyId body = scene::add(w, {.pose = scene::at(0, 0, 0)}, {.geometry = cube});
+    const bool is_held = random.below(2) != 0;
+    if (is_held) {
+        JointDef joint = ball_joint();
+        joint.body_a = body;
+        joint.body_b = scene::add(w, {.pose = scene::at(0, 3 * half, 0)}, {.geometry = cube});
+        joint.frame_a.position = scene::vec(0, 1.5 * half, 0);
+        joint.frame_b.position = scene::vec(0, -1.5 * half, 0);
+        scene::made(w.create_joint(joint));
+    }
+    const double bound = is_held ? most / 10 : most;
+    double before = 0, fastest = 0;
+    for (int t = 0; t < 30; ++t) {
+        w.tick();
+        const double now = scene::position(w, body)[1];
+        fastest = std::max(fastest, (now - before) * def.tick_rate);
+        before = now;
+    }
+    return fastest <= 1.01 * bound && fastest >= bound / 2
+               ? ""
+               : "seed " + std::to_string(seed) + ": a " + (is_held ? "held" : "free") +
+                     " box is pushed out at " + std::to_string(fastest) + " m/s, of " + std::to_string(bound);
 }
 
 /// A raft that is dropped into water. Returns a sentence where it sleeps further than 2 mm off the depth at which it displaces its mass.

@@ -1,0 +1,75 @@
+// Ragdolls that fall over. For the tests and for the planted faults.
+#pragma once
+
+#include "lockstone/asset.h"
+#include "lockstone/play/ragdoll.h"
+#include "support/sim_scenes.h"
+#include "support/split_mix.h"
+
+#include <algorithm>
+#include <string>
+
+namespace lockstone::test {
+
+/// The most that a joint of a figure is open [m].
+inline double widest_joint(const World& w, const Ragdoll& doll) {
+    double widest = 0;
+    for (std::uint32_t k = 1; k < ragdoll_part_count; ++k) {
+        const JointDef joint = w.joint(doll.joints[k]);
+        const scene::D3 a = to_double(w.pose(joint.body_a) * joint.frame_a.position),
+                        b = to_double(w.pose(joint.body_b) * joint.frame_b.position);
+        widest = std::max(widest, scene::length(scene::operator-(a, b)));
+    }
+    return widest;
+}
+
+/// Kinetic and potential energy of a figure [J].
+inline double energy_of(const World& w, const Ragdoll& doll) {
+    double sum = to_double(w.kinetic_energy());
+    for (const BodyId part : doll.bodies)
+        sum -= to_double(w.mass(part)) * to_double(w.gravity().y) * scene::position(w, part)[1];
+    return sum;
+}
+
+/// Drops a ragdoll from up to half a metre, pushed and turned, on a plane, a box or a mesh, at 30 to 120 ticks a second. Returns a sentence
+/// where a joint opens by more than 30 mm, 90 mm on a mesh at less than 60 ticks a second, or where the figure has more energy than when it
+/// began.
+inline std::string fallen_ragdoll_fault(std::uint64_t seed) {
+    SplitMix random(seed);
+    constexpr std::uint32_t rates[] = {30, 30, 40, 60, 60, 120};
+    WorldDef def;
+    def.tick_rate = rates[random.below(6)];
+    auto assets = std::make_shared<AssetLibrary>();
+    const Vec3 corners[] = {scene::vec(-20, 0, -20), scene::vec(20, 0, -20), scene::vec(-20, 0, 20),
+                            scene::vec(20, 0, 20)};
+    const std::array<std::uint32_t, 3> triangles[] = {{0, 2, 1}, {1, 2, 3}};
+    const AssetId mesh =
+        scene::made(assets->add(scene::made(bake_mesh({.vertices = corners, .triangles = triangles}))));
+    World w = scene::made(World::create(def, {}, assets));
+    const std::uint32_t floor = random.below(3);
+    const Geometry floors[] = {plane(), box(20_r, 1_r, 20_r), instance(ShapeKind::mesh, mesh)};
+    scene::add(w, {.kind = BodyKind::static_, .pose = scene::at(0, floor == 1 ? -1 : 0, 0)},
+               {.geometry = floors[floor]});
+    const Quat turn = normalized(scene::turned(scene::axis_y, drawn(random, -180, 180)) *
+                                 scene::turned(scene::axis_x, drawn(random, -60, 60)));
+    const double height = 0.05 + drawn(random, 0, 0.5);
+    const Ragdoll doll = scene::made(make_ragdoll(w, {.place = scene::at(0, height, 0, turn)}));
+    const std::uint32_t pushed = random.below(ragdoll_part_count);
+    const double along = drawn(random, -20, 20), up = drawn(random, -5, 5), across = drawn(random, -20, 20);
+    scene::done(w.add_impulse(doll.bodies[pushed], scene::vec(along, up, across)));
+    const double first = energy_of(w, doll), bound = floor == 2 && def.tick_rate < 60 ? 0.09 : 0.03;
+    double widest = 0, most = first;
+    for (std::uint32_t t = 0; t < 3 * def.tick_rate; ++t) {
+        w.tick();
+        widest = std::max(widest, widest_joint(w, doll));
+        most = std::max(most, energy_of(w, doll));
+    }
+    const std::string about = "seed " + std::to_string(seed) + ", " + std::to_string(def.tick_rate) +
+                              " Hz, floor " + std::to_string(floor) + ": ";
+    if (widest > bound) return about + "a joint opens by " + std::to_string(widest) + " m";
+    if (most > 1.01 * first)
+        return about + "energy grows from " + std::to_string(first) + " to " + std::to_string(most) + " J";
+    return {};
+}
+
+} // namespace lockstone::test
