@@ -27,6 +27,8 @@ struct QueryFilter {
     std::uint32_t kinds = 7;   ///< bit 0: static, 1: kinematic, 2: dynamic bodies
     std::uint32_t sensors = 0; ///< 1: sensors are seen too
     BodyId ignore{};           ///< this body's shapes are not seen
+    /// 0: a cast does not see a shape that it overlaps where it starts, even where its way leads into another part of that shape
+    std::uint32_t overlaps = 1;
 };
 
 struct Ray {

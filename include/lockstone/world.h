@@ -183,6 +183,9 @@ class World {
     /// Contact points of the last tick; the first call computes them. Not state. Valid until the next tick or restore.
     using ContactPoint = lockstone::ContactPoint;
     std::span<const ContactPoint> contacts() const;
+    /// The points of one body's shapes, in the same order; they replace `points`. An id that named no body in that tick has none. The first
+    /// call after a tick sorts all points by body; later calls take time for the points that they return alone.
+    void contacts(BodyId body, std::vector<ContactPoint>& points) const;
 
     // ---- queries ---- see lockstone/query.h; they change nothing that a tick or a hash could see
     std::optional<QueryHit> cast_ray(const Ray& ray, const QueryFilter& filter = {}) const; ///< the first hit

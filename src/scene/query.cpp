@@ -63,16 +63,18 @@ struct Cast {
     Quat rotation;
     Coordinate reach;
     collide::NearFaces* near; ///< of a ball that is cast again and again, else null
+    bool sees_overlaps;       ///< a shape that it overlaps at the start is hit there; else it is not seen
     collide::Line line;       ///< from 0 along the way, world axes
 };
 
-bool make_cast(Vec3 from, Vec3 way, Cast& out) {
+bool make_cast(Vec3 from, Vec3 way, const QueryFilter& filter, Cast& out) {
     out.from = from;
     out.way = way;
     out.solid = nullptr;
     out.rotation = Quat::identity();
     out.reach = Coordinate{};
     out.near = nullptr;
+    out.sees_overlaps = filter.overlaps != 0;
     for (int i = 0; i < 3; ++i)
         if (abs(way[i]) > query_length_max) return false;
     return collide::make_line(CoordinateVec3{}, to<Coordinate>(way), out.line) &&
@@ -80,8 +82,8 @@ bool make_cast(Vec3 from, Vec3 way, Cast& out) {
 }
 
 /// The same as another from elsewhere.
-bool make_cast_beside(Vec3 from, Vec3 way, const Cast& other, Cast& out) {
-    if (way != other.way) return make_cast(from, way, out);
+bool make_cast_beside(Vec3 from, Vec3 way, const QueryFilter& filter, const Cast& other, Cast& out) {
+    if (way != other.way) return make_cast(from, way, filter, out);
     out = other;
     out.from = from;
     return true;
@@ -270,7 +272,9 @@ template <class Visit> void for_each_hit_near(const Asking& asking, const Cast& 
     for (const QueryWork::Candidate& c : asking.work->candidates) {
         if (c.enter > matters + slack) break;
         Met met;
-        if (cast_at(asking, cast, c.slot, {c.enter, c.exit}, met)) matters = std::min(matters, visit(met));
+        if (!cast_at(asking, cast, c.slot, {c.enter, c.exit}, met)) continue;
+        if (!cast.sees_overlaps && met.local.normal == UnitVec3{}) continue;
+        matters = std::min(matters, visit(met));
     }
 }
 
@@ -314,8 +318,8 @@ void all_hits(const Scene& scene, const Cast& cast, const QueryFilter& filter, s
 }
 
 bool make_shape_cast(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 way,
-                     shapes::Solid& solid, Cast& out) {
-    if (!find_solid(scene, geometry, solid) || !make_cast(pose.position, way, out)) return false;
+                     const QueryFilter& filter, shapes::Solid& solid, Cast& out) {
+    if (!find_solid(scene, geometry, solid) || !make_cast(pose.position, way, filter, out)) return false;
     out.solid = &solid;
     out.rotation = normalized(pose.rotation);
     out.reach = shapes::reach_of(solid);
@@ -384,7 +388,7 @@ std::optional<QueryHit> nearest_shape(const Asking& asking, const shapes::Solid&
 
 std::optional<QueryHit> cast_ray(const Scene& scene, const Ray& ray, const QueryFilter& filter) {
     Cast cast{};
-    if (!make_cast(ray.from, ray.translation, cast)) return std::nullopt;
+    if (!make_cast(ray.from, ray.translation, filter, cast)) return std::nullopt;
     return first_hit(scene, cast, filter);
 }
 
@@ -392,7 +396,7 @@ std::optional<QueryHit> cast_shape(const Scene& scene, const Geometry& geometry,
                                    Vec3 translation, const QueryFilter& filter) {
     Cast cast{};
     shapes::Solid solid{};
-    if (!make_shape_cast(scene, geometry, pose, translation, solid, cast)) return std::nullopt;
+    if (!make_shape_cast(scene, geometry, pose, translation, filter, solid, cast)) return std::nullopt;
     return first_hit(scene, cast, filter);
 }
 
@@ -407,8 +411,8 @@ void cast_balls(const Scene& scene, std::span<const BallCast> balls, const Query
         hits[i].shape = {};
         const BallCast& ball = balls[i];
         Cast& cast = casts[count];
-        if (count == 0 ? !make_cast(ball.from, ball.way, cast)
-                       : !make_cast_beside(ball.from, ball.way, casts[count - 1], cast))
+        if (count == 0 ? !make_cast(ball.from, ball.way, filter, cast)
+                       : !make_cast_beside(ball.from, ball.way, filter, casts[count - 1], cast))
             continue;
         if (count > 0 && ball.radius == balls[index[count - 1]].radius) {
             cast.solid = casts[count - 1].solid;
@@ -438,27 +442,29 @@ void cast_balls(const Scene& scene, std::span<const BallCast> balls, const Query
 
 bool cast_ray_any(const Scene& scene, const Ray& ray, const QueryFilter& filter) {
     Cast cast{};
-    return make_cast(ray.from, ray.translation, cast) && any_hit(scene, cast, filter);
+    return make_cast(ray.from, ray.translation, filter, cast) && any_hit(scene, cast, filter);
 }
 
 void cast_ray_all(const Scene& scene, const Ray& ray, const QueryFilter& filter,
                   std::vector<QueryHit>& hits) {
     Cast cast{};
-    if (make_cast(ray.from, ray.translation, cast)) all_hits(scene, cast, filter, hits);
+    if (make_cast(ray.from, ray.translation, filter, cast)) all_hits(scene, cast, filter, hits);
 }
 
 bool cast_shape_any(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
                     const QueryFilter& filter) {
     Cast cast{};
     shapes::Solid solid{};
-    return make_shape_cast(scene, geometry, pose, translation, solid, cast) && any_hit(scene, cast, filter);
+    return make_shape_cast(scene, geometry, pose, translation, filter, solid, cast) &&
+           any_hit(scene, cast, filter);
 }
 
 void cast_shape_all(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
                     const QueryFilter& filter, std::vector<QueryHit>& hits) {
     Cast cast{};
     shapes::Solid solid{};
-    if (make_shape_cast(scene, geometry, pose, translation, solid, cast)) all_hits(scene, cast, filter, hits);
+    if (make_shape_cast(scene, geometry, pose, translation, filter, solid, cast))
+        all_hits(scene, cast, filter, hits);
 }
 
 void overlap(const Scene& scene, const Geometry& geometry, const Transform& pose, const QueryFilter& filter,

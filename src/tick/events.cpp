@@ -5,6 +5,9 @@
 #include "scene/surface.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
 
 namespace lockstone::sim {
 
@@ -87,18 +90,33 @@ void find_contact_points(const Model& w, const PlacedShapes& placed, const Poses
     const std::span<const ContactMemory> memories = table.memories;
     std::size_t count = 0;
     for (const solve::Contact& c : found.contacts) count += c.count;
-    base::make_room(out.list, count);
+    base::make_room(out.list, count), base::make_room(out.bodies, count);
     for (const solve::Contact& c : found.contacts) {
         const bool flipped = (memories[c.memory].flags & solve::contact_flipped) != 0;
-        const ShapeId shape = flipped ? keys[c.memory].a : keys[c.memory].b;
-        const std::uint32_t body_b = w.row_of(w.state.rows(w.m.shape)[w.row_of(shape)].body);
+        const auto body_of = [&](ShapeId shape) { return w.state.rows(w.m.shape)[w.row_of(shape)].body; };
+        const std::array<BodyId, 2> bodies{body_of(keys[c.memory].a), body_of(keys[c.memory].b)};
+        const std::uint32_t body_b = w.row_of(bodies[flipped ? 0 : 1]);
         const Parts parts = parts_of(w, placed, keys[c.memory], memories[c.memory]);
-        for (std::uint32_t k = 0; k < c.count; ++k)
+        for (std::uint32_t k = 0; k < c.count; ++k) {
+            out.bodies.push_back(bodies);
             out.list.push_back({keys[c.memory].a, keys[c.memory].b,
                                 before.of(w, body_b).position + to<Real>(c.points[k].lever_b),
                                 flipped ? -c.normal : c.normal, c.points[k].separation,
                                 memories[c.memory].points[k].normal, parts.a, parts.b});
+        }
     }
+}
+
+void points_of(ContactPoints& points, BodyId body, std::vector<ContactPoint>& out) {
+    if (points.of_body.empty()) {
+        for (std::uint32_t i = 0; i < points.bodies.size(); ++i)
+            for (const BodyId id : points.bodies[i]) points.of_body.emplace_back(id.index, i);
+        std::sort(points.of_body.begin(), points.of_body.end());
+    }
+    const auto first = std::ranges::lower_bound(points.of_body, std::pair{body.index, 0u});
+    for (auto at = first; at != points.of_body.end() && at->first == body.index; ++at)
+        if (std::ranges::find(points.bodies[at->second], body) != points.bodies[at->second].end())
+            out.push_back(points.list[at->second]);
 }
 
 void publish_events(Model& w, const PlacedShapes& placed, const NearPairs& near, const FoundContacts& found,

@@ -71,7 +71,7 @@ struct TickOutput {
     ContactPoints contact_points;
     std::vector<PhaseHash> phase_hashes; ///< when they are asked for
 
-    void reserve(const WorldRows& rows) { contact_points.list.reserve(std::size_t{4} * rows.contacts); }
+    void reserve(const WorldRows& rows) { contact_points.reserve(std::size_t{4} * rows.contacts); }
 };
 
 struct TickHooks {

@@ -374,6 +374,13 @@ std::span<const World::ContactPoint> World::contacts() const {
     return impl->output.contact_points.list;
 }
 
+void World::contacts(BodyId body, std::vector<ContactPoint>& points) const {
+    const base::Holds holds(impl->query.lock);
+    sim::find_contact_points(*impl);
+    points.clear();
+    sim::points_of(impl->output.contact_points, body, points);
+}
+
 // ---- state -----------------------------------------------------------------------------------------------------
 
 std::uint64_t World::hash() const {

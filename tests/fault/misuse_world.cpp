@@ -104,6 +104,16 @@ TEST_CASE("misuse: commands refuse every wrong body with a sentence, and change 
     }
 }
 
+TEST_CASE("misuse: a wrong body has no contact points, whatever the list held") {
+    Given g;
+    g.w.tick();
+    for (const BodyId b : wrong_ids(g.dead_body)) {
+        std::vector<World::ContactPoint> points(3);
+        g.w.contacts(b, points);
+        CHECK(points.empty());
+    }
+}
+
 TEST_CASE(
     "misuse: commands refuse every wrong shape, field, joint, character and vehicle, and change nothing") {
     Given g;

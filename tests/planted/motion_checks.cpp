@@ -3,6 +3,7 @@
 #include "checks.h"
 #include "law/zoo/object.h"
 #include "law/zoo/passage.h"
+#include "support/rigs/asked.h"
 #include "support/rigs/corrected.h"
 #include "support/rigs/fallen_ragdoll.h"
 #include "support/rigs/heavy_load.h"
@@ -317,6 +318,13 @@ std::string beams_rest() {
     return {};
 }
 
+std::string casts_leave_overlaps_out() {
+    int left_out = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed)
+        if (std::string found = test::overlaps_seen_fault(seed, left_out); !found.empty()) return found;
+    return left_out > 50 ? "" : "casts seldom begin in a shape";
+}
+
 } // namespace
 
 Checks motion_checks() {
@@ -344,6 +352,8 @@ Checks motion_checks() {
             {"limits hold drives", test::limits_fault},
             {"overlap is pushed out", [] { return first_fault(test::push_fault, 10); }},
             {"ragdolls land", [] { return first_fault(test::fallen_ragdoll_fault, 20); }},
+            {"casts leave overlaps out", casts_leave_overlaps_out},
+            {"bodies have their points", [] { return first_fault(test::body_points_fault, 10); }},
             {"heavy loads rest", [] { return first_fault(test::heavy_load_fault, 100); }},
             {"planks stay up", [] { return first_fault(test::plank_fault, 10); }},
             {"free rows keep momentum", [] { return first_fault(test::free_row_fault, 100); }},

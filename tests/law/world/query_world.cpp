@@ -1,6 +1,7 @@
 // What a world answers: order, filters, agreement of the questions with each other, and nonsense.
 #include "support/about.h"
 #include "support/query_scene.h"
+#include "support/rigs/asked.h"
 
 #include <doctest/doctest.h>
 
@@ -216,6 +217,12 @@ TEST_CASE("filters: categories, kinds, sensors and the own body") {
     CHECK(to_double(hits[0].fraction) == test::about(0.075));
     CHECK(to_double(hits[0].normal.x) == test::about(-1));
     CHECK(to_double(hits[0].point.x) == test::about(1.5));
+}
+
+TEST_CASE("casts that leave overlaps out give the other hits of casts that see them") {
+    int left_out = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) CHECK(test::overlaps_seen_fault(seed, left_out) == "");
+    CHECK(left_out > 100);
 }
 
 TEST_CASE("batches answer like single rays, as many as there is room for") {

@@ -1,5 +1,6 @@
 // Contacts against closed forms: bouncing, rolling, friction, momentum, energy.
 #include "support/about.h"
+#include "support/rigs/asked.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -270,6 +271,10 @@ TEST_CASE("a cloud of bodies in space keeps its momentum through all collisions"
     // Half a step of a speed for each body and pass, in directions of chance: the mean of 40 bodies over 16 passes in each of 300 ticks, three
     // times that.
     CHECK(length(momentum(w) - before) / mass < 3 * speed_step / 2 * std::sqrt(16 * 300.0 / 40));
+}
+
+TEST_CASE("the contact points of a body are those of the tick that name its shapes") {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) CHECK(test::body_points_fault(seed) == "");
 }
 
 namespace {
