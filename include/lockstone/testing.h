@@ -35,7 +35,7 @@ PathSet paths_taken(const World& world);
 std::string order_fault(const World& world);
 
 /// How many worlds self_test() of lockstone/prove.h runs, and for how many ticks each.
-inline constexpr std::uint32_t self_test_worlds = 20, self_test_ticks = 4;
+inline constexpr std::uint32_t self_test_worlds = 20, self_test_ticks = 3;
 /// The hashes that this build computes in the default mode, after each tick of each world, world by world. tools/refresh stores them. The error
 /// names a world, a tick and the command that was refused.
 Result<std::vector<std::uint64_t>> self_test_hashes();

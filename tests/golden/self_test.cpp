@@ -65,14 +65,14 @@ TEST_CASE("planted fault: a wrong stored hash is reported with world, mode, tick
     };
     char digits[17];
     std::snprintf(digits, sizeof digits, "%016llx",
-                  static_cast<unsigned long long>(right[7 * testing::self_test_ticks + 3]));
-    CHECK(sentence_of(7 * testing::self_test_ticks + 3, 0x4567) ==
-          std::string("world 7, scalar, after tick 3: hash ") + digits +
+                  static_cast<unsigned long long>(right[7 * testing::self_test_ticks + 2]));
+    CHECK(sentence_of(7 * testing::self_test_ticks + 2, 0x4567) ==
+          std::string("world 7, scalar, after tick 2: hash ") + digits +
               " against the stored 0000000000004567");
     CHECK(sentence_of(0, 0).starts_with("world 0, scalar, after tick 0: hash "));
-    CHECK(sentence_of(right.size() - 1, 0).starts_with("world 19, scalar, after tick 3: hash "));
+    CHECK(sentence_of(right.size() - 1, 0).starts_with("world 19, scalar, after tick 2: hash "));
     CHECK(testing::self_test_against(std::span(right).first(7)).error().message ==
-          "there are 7 stored hashes for 80 ticks; tools/refresh writes them");
+          "there are 7 stored hashes for 60 ticks; tools/refresh writes them");
 }
 
 TEST_CASE(
