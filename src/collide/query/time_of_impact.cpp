@@ -371,8 +371,6 @@ bool stays_beside(const Start& start, const Obstacle& o, std::int64_t approach_m
 Coordinate core_radius(const Mover& whole) {
     return Coordinate::from_raw(shapes::inner_radius(*whole.solid).raw / 2);
 }
-/// The ball of that radius about the core's centre.
-Mover core_ball(const Mover& whole) { return ball_of(whole, core_radius(whole)); }
 
 /// A core that is nearer than this at the start does not move towards the piece at all. Without this end each tick would halve the rest of the
 /// gap.
@@ -423,15 +421,9 @@ bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole) {
     if (whole.solid->geometry.radius == Length{}) return false;
     return advance(w, o, thin, stop_gap_30, unit_one) == unit_one;
 }
-/// Whether a side tells it, for a shape that starts apart from the piece, or whose core keeps above that side, too.
-bool is_told_to_pass(const Ways& w, const Standing& begin, const Obstacle& o, const Mover& whole,
-                     Above& above) {
-    const std::int64_t radius = begin.shape.radius.raw;
-    if (whole.solid->geometry.radius == Length{} || !above.keeps(radius >> dip_bits)) return false;
-    if (above.is_apart(radius)) return true;
-    const Mover ball = core_ball(whole);
-    const Standing core = begin.of(ball);
-    return Above(w, core, o, ball).keeps(ball.radius.raw);
+/// True if a side tells it: the shape keeps above it by half of its rounding at least. Its core does so too, as it lies deeper in the shape.
+bool is_told_to_pass(const Standing& begin, const Mover& whole, Above& above) {
+    return whole.solid->geometry.radius != Length{} && above.keeps(begin.shape.radius.raw >> dip_bits);
 }
 
 /// True if the core's centre ends in front of the middle of a plane or of a box, on the side where it begins: contacts push it out to that side
@@ -458,8 +450,7 @@ Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Move
     Above above(w, begin.standing, o, whole);
     if (above.keeps(begin.standing.shape.radius.raw)) return unit_one;
     const bool is_limb = held == Held::by_joints;
-    if (is_limb ? is_pushed_out(w, begin.standing, o, whole)
-                : is_told_to_pass(w, begin.standing, o, whole, above))
+    if (is_limb ? is_pushed_out(w, begin.standing, o, whole) : is_told_to_pass(begin.standing, whole, above))
         return unit_one;
     const std::int64_t reachable = approach_max + 2 * touching_gap_30;
     const Measured at_start = measure(begin.standing, o, reachable);

@@ -14,16 +14,18 @@ namespace lockstone::test {
 
 /// A solid of a random kind, 0.2 to 0.6 m.
 inline Geometry drawn_solid(SplitMix& random) {
-    const auto size = [&] { return scene::real(drawn(random, 0.1, 0.3)); };
+    // In the order of the list: arguments of a function have none.
+    const Vec3 size{scene::real(drawn(random, 0.1, 0.3)), scene::real(drawn(random, 0.1, 0.3)),
+                    scene::real(drawn(random, 0.1, 0.3))};
     switch (random.below(4)) {
     case 0:
-        return sphere(size());
+        return sphere(size.x);
     case 1:
-        return capsule(size(), size());
+        return capsule(size.x, size.y);
     case 2:
-        return cylinder(size(), size());
+        return cylinder(size.x, size.y);
     default:
-        return box(size(), size(), size());
+        return box(size.x, size.y, size.z);
     }
 }
 
@@ -57,8 +59,10 @@ inline std::string overlaps_seen_fault(std::uint64_t seed, int& left_out) {
     const World w = drawn_heap(random);
     const QueryFilter without{.overlaps = 0};
     for (int i = 0; i < 100; ++i) {
-        const Vec3 from = scene::vec(drawn(random, -1, 1), drawn(random, -0.1, 1.5), drawn(random, -1, 1)),
-                   way = scene::vec(drawn(random, -3, 3), drawn(random, -3, 3), drawn(random, -3, 3));
+        const Vec3 from{scene::real(drawn(random, -1, 1)), scene::real(drawn(random, -0.1, 1.5)),
+                        scene::real(drawn(random, -1, 1))};
+        const Vec3 way{scene::real(drawn(random, -3, 3)), scene::real(drawn(random, -3, 3)),
+                       scene::real(drawn(random, -3, 3))};
         const Geometry solid = drawn_solid(random);
         const Transform pose{from, Quat::identity()};
         std::vector<QueryHit> all, wanted, found;
