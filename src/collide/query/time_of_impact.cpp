@@ -421,7 +421,8 @@ bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole) {
     if (whole.solid->geometry.radius == Length{}) return false;
     return advance(w, o, thin, stop_gap_30, unit_one) == unit_one;
 }
-/// True if a side tells it: the shape keeps above it by half of its rounding at least. Its core does so too, as it lies deeper in the shape.
+/// True if the skeleton of a rounded shape stays above one side of the piece by half of the rounding at least. The core's centre is then as far
+/// above it as half of the inner radius.
 bool is_told_to_pass(const Standing& begin, const Mover& whole, Above& above) {
     return whole.solid->geometry.radius != Length{} && above.keeps(begin.shape.radius.raw >> dip_bits);
 }

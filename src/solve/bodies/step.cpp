@@ -39,7 +39,7 @@ StepConstants step_constants(const StepSettings& s) {
     c.tip_speed_max = to<Speed>(min(tip_speed_limit, Real(2) * s.ticks_per_second));
     c.push_speed_max = to<Speed>(s.push_speed_max);
     // Relaxing takes the push out of the contact's own two bodies. What joints have passed on stays with the rest of a figure: at full speed,
-    // ragdolls that came down on their feet rose higher than they began.
+    // ragdolls that landed on their feet had more energy than at the start.
     c.push_jointed = to<Speed>(s.push_speed_max / Real(10));
     c.restitution_speed_min = to<Speed>(s.restitution_speed_min);
     // With one pass a substep, towers on contacts stiffer than 3 / 16 of the substep rate do not come to rest.
