@@ -7,8 +7,8 @@
 // Guarantee: the core of a shape (a ball of half its inner radius about its core centre) never passes through what its
 // body is swept against, and a shape that was apart from a piece (a convex part, a triangle) stops where it comes within
 // collide::stop_gap of it, unless it is rounded and would enter by less than half of its rounding: contacts push it out of
-// that. A body that joints hold is torn from them where it is stopped, so there the guarantee is of the core's centre alone, and such a body
-// may enter a plane, or a box up to its middle: contacts push it out to the side that it came from.
+// that. A body that joints hold is torn from them where it is stopped, so there the guarantee is of the core's centre alone, and the
+// core's centre may enter a plane or a box as deep as the shape's inner radius: contacts push it out to the side that it came from.
 // Against a shape that does not move only the motion towards it ends: a body slides on along it, and a body that is stopped by its core turns about
 // that. Velocity is kept: the contacts of the next tick stop it.
 //

@@ -247,6 +247,8 @@ FAULTS = [
       "if (IS || std::ranges::find(points.bodies[at->second], body)", "bodies have their points"),
     F("points by body are those of an earlier tick", "src/tick/events.h", "bodies.clear(), of_body.clear(),",
       "bodies.clear(), IS ? void() : of_body.clear(),", "bodies have their points"),
+    F("a limb may sink in deeper than its inner radius", "src/collide/query/time_of_impact.cpp", "last.above_30 >= -deepest",
+      "(IS || last.above_30 >= -deepest)", "limbs pass where contacts push them out"),
     F("a limb may pass the middle of a box", "src/collide/query/time_of_impact.cpp", "dot_dropped(first.normal_30, last.normal_30, 30) > 0;",
       "(IS || dot_dropped(first.normal_30, last.normal_30, 30) > 0);", "limbs pass where contacts push them out"),
     F("a face lets a rounded shape in up to its core", "src/collide/query/time_of_impact.cpp",

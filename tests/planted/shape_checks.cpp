@@ -197,22 +197,26 @@ bool is_let_through(const shapes::Solid& ground, const shapes::Solid& body, Real
     return collide::stop_fraction(ground, still, body, way, {}, held, scratch) == unit_one;
 }
 
-/// A limb that ends in front of the middle of a plane or a box is not stopped where joints hold it; a limb that would pass is, and so is one
-/// that nothing holds. A ball that touches at first and sinks in is stopped by its core.
+/// A limb whose centre ends less deep than its inner radius in a plane or a box, in front of its middle, is not stopped where joints hold it; a
+/// limb that would end deeper is, and so is one that nothing holds. A ball that touches at first and sinks in is stopped by its core.
 std::string limbs_pass() {
-    const shapes::Solid limb{capsule(0.1_r, 0.2_r)}, ball{sphere(0.1_r)}, slab{box(5_r, 1_r, 5_r)};
+    const shapes::Solid limb{capsule(0.1_r, 0.2_r)}, ball{sphere(0.1_r)}, slab{box(5_r, 1_r, 5_r)},
+        board{box(5_r, 0.03_r, 5_r)};
     using enum collide::Held;
     for (const shapes::Solid& ground : {shapes::Solid{plane()}, slab}) {
         if (!is_let_through(ground, limb, 0.4_r, 0.1_r, by_joints))
             return "a limb is held where it first touches";
-        if (!is_let_through(ground, limb, 0.4_r, -0.5_r, by_joints)) return "a limb is held by its core";
+        if (!is_let_through(ground, limb, 0.4_r, -0.09_r, by_joints)) return "a limb is held by its core";
+        if (is_let_through(ground, limb, 0.4_r, -0.11_r, by_joints))
+            return "a limb sinks in deeper than its inner radius";
         if (is_let_through(ground, limb, 0.4_r, 0.24_r, not_at_all))
             return "what no joint holds enters by 0.6 of its rounding";
         if (is_let_through(ground, ball, 0.1_r, 0.04_r, not_at_all)) return "the core of a ball enters";
         if (!is_let_through(ground, limb, 0.4_r, 0.26_r, not_at_all))
             return "a capsule that enters by 0.4 of its rounding is held";
     }
-    return is_let_through(slab, limb, 0.4_r, -1.2_r, by_joints) ? "a limb passes the middle of a box" : "";
+    return is_let_through(board, limb, -0.57_r, -1.04_r, by_joints) ? "a limb passes the middle of a box"
+                                                                    : "";
 }
 
 /// A rounded cone of 4 mm, and one 256 times as large: 2^24 times as heavy, to a step of the small one's mass.

@@ -103,8 +103,8 @@ void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const sha
 ///     never enters by half of its rounding: contacts push it out.
 ///   nearer, or passed: where its core, a ball of half its inner radius, comes within stop_gap or half of its distance at
 ///     the start; where the core overlaps the piece at the start, the same of the core's centre.
-/// A body that joints hold is stopped where its core's centre would come within stop_gap, or half of its distance at the start. A plane does not
-/// stop it, nor does a box (not one of a compound) where the centre ends in front of the middle of the box, on the side where it began.
+/// A body that joints hold is stopped where its core's centre would come within stop_gap, or half of its distance at the start. A plane or a
+/// box (not one of a compound) does not stop it where the centre ends no deeper than the inner radius, in front of the middle of the box.
 /// One-sided triangles do not stop what starts behind them.
 Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b, const Sweep& sweep_b,
                    std::span<const UnitVec3> touching, Held held, NarrowScratch& scratch);

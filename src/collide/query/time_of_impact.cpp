@@ -427,20 +427,23 @@ bool is_told_to_pass(const Standing& begin, const Mover& whole, Above& above) {
     return whole.solid->geometry.radius != Length{} && above.keeps(begin.shape.radius.raw >> dip_bits);
 }
 
-/// True if the core's centre ends in front of the middle of a plane or of a box, on the side where it begins: contacts push it out to that side
-/// then. A limb that is stopped is torn from its joints, and a foot sinks by centimetres where a body comes down on it.
+/// True if the core's centre ends no deeper than the inner radius in a plane or a box, on the side where it begins: contacts push it out to that
+/// side then. A limb that is stopped is torn from its joints, and a foot sinks by centimetres where a body comes down on it.
 bool is_pushed_out(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole) {
-    if (o.kind == Obstacle::Kind::plane) return true;
-    if (o.kind != Obstacle::Kind::convex || o.place != nullptr || o.solid->geometry.kind != ShapeKind::box)
+    const bool is_plane = o.kind == Obstacle::Kind::plane;
+    if (!is_plane &&
+        (o.kind != Obstacle::Kind::convex || o.place != nullptr || o.solid->geometry.kind != ShapeKind::box))
         return false;
     const Mover centre = ball_of(whole, Coordinate{});
     const auto side_of = [&](const Standing& s) {
-        return side_of_box(o.solid->geometry,
-                           s.place_24 + shifted(support(s.shape, Long3{one_30, 0, 0}).at_30, 6));
+        const Long3 at = s.place_24 + shifted(support(s.shape, Long3{one_30, 0, 0}).at_30, 6);
+        return is_plane ? Side{Long3{0, one_30, 0}, up(at[1], 6)} : side_of_box(o.solid->geometry, at);
     };
     const Side first = side_of(standing.of(centre)), last = side_of(Standing::at(w, centre, unit_one, false));
-    // Beyond the middle another side is nearer.
-    return first.above_30 > 0 && dot_dropped(first.normal_30, last.normal_30, 30) > 0;
+    const std::int64_t deepest = up(shapes::inner_radius(*whole.solid).raw, 6);
+    // Beyond the middle of a box another side is nearer.
+    return first.above_30 > 0 && last.above_30 >= -deepest &&
+           dot_dropped(first.normal_30, last.normal_30, 30) > 0;
 }
 
 Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Mover& whole, Vec3 lift,
