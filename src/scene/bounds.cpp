@@ -25,11 +25,13 @@ Transform shape_pose(const ShapeTraits& shape, const Transform& body, const Body
 }
 
 /// Contacts of a fast body are found before it arrives, as far ahead as its own size, so it lands on surfaces; twice that where
-/// a joint holds it, for what the sweep stops alone leaves its joints behind.
-Length margin_of(Length inner, const BodyInfo& info, const Velocity& velocity, std::uint32_t tick_rate) {
-    const Length ahead = ahead_of(velocity.linear, tick_rate);
-    if (ahead == Length{}) return margin_base;
-    return margin_base + min(ahead, info.first_joint != 0 ? inner + inner : inner);
+/// a joint holds it, for what the sweep stops alone leaves its joints behind. The ends of a thin shape that turns move farther than its inner
+/// radius, and the sweep lets a shape turn in that touches something, so the margin includes their way.
+Length margin_of(const PlacedShapes::Shape& at, const BodyInfo& info, const Velocity& velocity,
+                 std::uint32_t tick_rate) {
+    const Length ahead = ahead_of(velocity.linear, tick_rate),
+                 most = info.first_joint != 0 ? at.inner + at.inner : at.inner;
+    return margin_base + min(ahead, most) + turn_ahead_of(at, velocity.angular, tick_rate);
 }
 
 /// The columns that every shape looks at, found once for many.
@@ -57,9 +59,8 @@ void set_pose(const PlaceView& v, const ShapeTraits& shape, std::uint32_t body_r
     const BodyInfo& info = v.info[body_row];
     const Geometry& geometry = at.solid.geometry;
     at.pose = shape_pose(shape, v.poses[body_row], v.body_traits[info.traits].mass);
-    at.margin = info.kind == BodyKind::static_
-                    ? margin_base
-                    : margin_of(at.inner, info, v.velocities[body_row], v.tick_rate);
+    at.margin = info.kind == BodyKind::static_ ? margin_base
+                                               : margin_of(at, info, v.velocities[body_row], v.tick_rate);
     at.has_axes = geometry.kind != ShapeKind::sphere || geometry.half_extent != LengthVec3{};
 }
 
@@ -386,19 +387,40 @@ void PlacedShapes::reserve(std::uint32_t shape_slots) {
     solids_replaced.reserve(shape_slots);
 }
 
-Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate) {
+namespace {
+
+/// At least the length of a vector, and at most an eighth more.
+std::int64_t length_bound(SpeedVec3 v) {
     const auto size = [](Speed s) { return static_cast<std::int64_t>(magnitude(s.raw)); };
-    const std::int64_t x = size(velocity.x), y = size(velocity.y), z = size(velocity.z);
-    const std::int64_t widest = std::max(x, std::max(y, z)), speed = widest + ((x + y + z - widest + 1) >> 1);
-    constexpr int finer = Length::fraction_bits - Speed::fraction_bits;
+    const std::int64_t x = size(v.x), y = size(v.y), z = size(v.z), widest = std::max(x, std::max(y, z));
+    return std::min(widest + ((x + y + z - widest + 1) >> 1), std::int64_t{Speed::max().raw});
+}
+
+/// The way of a speed [m/s, Length] in a tick, rounded up to steps.
+Length in_steps(std::int64_t speed, std::uint32_t tick_rate) {
     // 2 ahead <= margin_base, without the division: most bodies are slow.
-    if ((speed << finer) < std::int64_t{margin_base.raw / 2} * tick_rate) return Length{};
-    const std::int64_t ahead = (speed << finer) / tick_rate + 1;
+    if (speed < std::int64_t{margin_base.raw / 2} * tick_rate) return Length{};
+    const std::int64_t ahead = speed / tick_rate + 1;
     const std::int64_t steps = (ahead + margin_base.raw - 1) / margin_base.raw;
     // Up to eight steps each counts, then up to sixteen every second one, and so on.
     const int coarser =
         std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(steps - 1))) - 3);
     return to<Length>(Coordinate::from_raw(margin_base.raw * ((((steps - 1) >> coarser) + 1) << coarser)));
+}
+
+} // namespace
+
+Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate) {
+    constexpr int finer = Length::fraction_bits - Speed::fraction_bits;
+    return in_steps(length_bound(velocity) << finer, tick_rate);
+}
+
+Length turn_ahead_of(const PlacedShapes::Shape& at, SpeedVec3 angular, std::uint32_t tick_rate) {
+    if (!is_thin(at) || angular == SpeedVec3{}) return Length{};
+    const std::int64_t reach = std::min<std::int64_t>(at.reach.raw, Length::max().raw);
+    const Length turned =
+        in_steps(length_bound(angular) * reach >> Speed::fraction_bits, tick_rate); // products below 2^63
+    return min(turned, Length::from_raw(static_cast<std::int32_t>(reach)));
 }
 
 const shapes::Solid& solid_of(const Model& w, PlacedShapes& s, const ShapeRow& shape) {

@@ -91,6 +91,14 @@ inline Rotation axes_of(const PlacedShapes::Shape& at) {
 /// in a tick, in steps of `margin_base`, and of an eighth of itself where that is more, so that it seldom grows while they near each
 /// other; 0 for what goes less than half of `margin_base` in a tick.
 Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate);
+/// True for plates and poles: the reach is more than four times the inner radius. Their ends go farther by turning than their inner radius.
+inline bool is_thin(const PlacedShapes::Shape& at) {
+    const ShapeKind kind = at.filter.kind;
+    return at.reach.raw > 4 * std::int64_t{at.inner.raw} && kind != ShapeKind::sphere &&
+           kind <= ShapeKind::hull;
+}
+/// Like ahead_of(), how far the ends of a thin shape go by turning, at most its reach; 0 for all other shapes.
+Length turn_ahead_of(const PlacedShapes::Shape& at, SpeedVec3 angular, std::uint32_t tick_rate);
 
 /// Poses, margins and bounds of the shapes that may have moved since the last call, in the broad phase too.   (bounds.cpp)
 void update_bounds(const Model& w, PlacedShapes& s, Tasks* tasks);

@@ -136,9 +136,12 @@ constexpr std::uint32_t filtered_per_chunk = 128;
 
 /// How far ahead the contacts of two shapes reach: as far as they near each other in a tick. What moves along with the
 /// other, however fast, meets nothing sooner than what rests.
-Length pair_margin(const PairView& v, Length widest, std::uint32_t body_a, std::uint32_t body_b) {
-    return min(widest,
-               margin_least + ahead_of(v.velocity[body_b].linear - v.velocity[body_a].linear, v.tick_rate));
+Length pair_margin(const PairView& v, Length widest, std::uint32_t body_a, const PlacedShapes::Shape& a,
+                   std::uint32_t body_b, const PlacedShapes::Shape& b) {
+    const Velocity &of_a = v.velocity[body_a], &of_b = v.velocity[body_b];
+    return min(widest, margin_least + ahead_of(of_b.linear - of_a.linear, v.tick_rate) +
+                           turn_ahead_of(a, of_a.angular, v.tick_rate) +
+                           turn_ahead_of(b, of_b.angular, v.tick_rate));
 }
 
 /// Whether bounds that reach ahead by each shape's own margin still overlap when the pair's margin is `spare` less than
@@ -177,7 +180,7 @@ void find_key(const PairView& v, collide::ProxyPair pair, PairScratch::Key& out)
     out.margin = a.margin + b.margin;
     if (out.margin != margin_least) {
         const Length widest = out.margin;
-        out.margin = pair_margin(v, widest, body_a, body_b);
+        out.margin = pair_margin(v, widest, body_a, a, body_b, b);
         const bool has_plane = a.filter.kind == ShapeKind::plane || b.filter.kind == ShapeKind::plane;
         if (!has_plane && !still_overlap(a.bounds, b.bounds, widest - out.margin, v.shift)) return;
     }

@@ -9,6 +9,7 @@
 #include "support/rigs/heavy_load.h"
 #include "support/rigs/motor_at_limit.h"
 #include "support/rigs/plank.h"
+#include "support/rigs/slapped_plate.h"
 #include "support/rigs/torn_hinge.h"
 
 #include <algorithm>
@@ -324,6 +325,24 @@ std::string ragdolls_land() {
     return {};
 }
 
+std::string plates_slap() {
+    const test::Slaps slaps = test::slap_many(100);
+    return slaps.deep <= 15 ? "" : std::to_string(slaps.deep) + " of 100 plates sink into the floor";
+}
+
+/// A plate 10 cm above a slope that is parallel to it falls by 7 cm in a tick: it has no contact.
+std::string plates_meet_late() {
+    World world = scene::made(World::create(WorldDef{}));
+    const Quat turn = scene::turned(scene::axis_z, 30);
+    scene::add_wall(world, scene::at(0, 0, 0, turn), scene::vec(4, 0.5, 4));
+    const double up_x = -0.5, up_y = std::sqrt(0.75), height = 0.5 + 0.01 + 0.1;
+    const BodyDef plate{.pose = scene::at(height * up_x, height * up_y, 0, turn),
+                        .linear_velocity = scene::vec(-4 * up_x, -4 * up_y, 0)};
+    scene::add(world, plate, {.geometry = box(1_r, 0.01_r, 0.5_r)});
+    world.tick();
+    return world.contacts().empty() ? "" : "a plate has a contact beyond its margin";
+}
+
 std::string casts_leave_overlaps_out() {
     int left_out = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed)
@@ -358,6 +377,8 @@ Checks motion_checks() {
             {"limits hold drives", test::limits_fault},
             {"overlap is pushed out", [] { return first_fault(test::push_fault, 10); }},
             {"ragdolls land", ragdolls_land},
+            {"plates slap without sinking in", plates_slap},
+            {"plates meet within their margin", plates_meet_late},
             {"casts leave overlaps out", casts_leave_overlaps_out},
             {"bodies have their points", [] { return first_fault(test::body_points_fault, 10); }},
             {"heavy loads rest", [] { return first_fault(test::heavy_load_fault, 100); }},

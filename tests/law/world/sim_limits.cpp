@@ -273,7 +273,8 @@ TEST_CASE(
             INFO("seed ", seed, ", tick ", t, ", ", difference(w, twin));
             REQUIRE(w.hash() == twin.hash());
             contacts += w.contacts().size();
-            for (const BodyId b : w.bodies()) REQUIRE(length(velocity(w, b)) < 500.1);
+            // An elastic impact with a heavier body doubles a speed; the next tick clamps it.
+            for (const BodyId b : w.bodies()) REQUIRE(length(velocity(w, b)) < 1000.1);
             if (t % 20 == 19) REQUIRE(sound(w, loader));
         }
     }
