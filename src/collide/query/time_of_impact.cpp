@@ -233,52 +233,37 @@ Bounds bounds_of(const shapes::Extent& e) {
             {high(e.upper.x), high(e.upper.y), high(e.upper.z)}};
 }
 
-/// What of A a part of B can come near on its way, in A's shape's frame.
-struct Corridor {
-    shapes::Extent extent;
-    SweptBox box;
-
-    Corridor(Long3 from_24, Long3 to_24, std::int64_t around_24)
-        : extent(swept_extent(from_24, to_24, around_24)),
-          box(bounds_of(swept_extent(from_24, from_24, around_24)),
-              bounds_of(swept_extent(to_24, to_24, around_24))) {}
-
-    /// No for triangles beside it: a long way through a mesh has many in its extent.
-    bool may_meet(const Obstacle& o) const {
-        if (o.kind != Obstacle::Kind::triangle) return true;
-        const CoordinateVec3(&c)[3] = o.triangle->corner;
-        return box.may_meet(bounds_of({min(c[0], min(c[1], c[2])), max(c[0], max(c[1], c[2]))}));
-    }
+/// Points from `lower` to `upper` [m], in A's shape's frame.
+struct Box {
+    Long3 lower_30, upper_30;
 };
-/// Of a shape that is one piece, nothing: whatever meets it meets the piece.
-Corridor corridor_of(const Ways& w, const Mover& m, const shapes::Solid& a, Length margin) {
-    if (!has_triangles(a) && a.geometry.kind != ShapeKind::compound) return {Long3{}, Long3{}, 0};
-    const Long3 from = raw(relative_pose(pose_at(w.a, Unit{}), w.b.from).position);
-    const Long3 to = raw(relative_pose(pose_at(w.a, unit_one), w.b.to).position);
-    const std::int64_t turned = times_30(w.spin_a.rate_30, w.apart_30) >> 6;
-    const std::int64_t around = (length_30(m.place.position) >> 6) + reach_24(*m.solid) + margin.raw;
-    return {from, to, around + turned + 64};
+
+/// The extent of a mover, its rounding included.
+Box box_of(const Standing& s) {
+    Box box{};
+    const std::int64_t radius = up(std::int64_t{s.shape.radius.raw}, 6);
+    for (int i = 0; i < 3; ++i) {
+        Long3 along{};
+        along[i] = one_30;
+        const std::int64_t at = up(s.place_24[i], 6);
+        box.lower_30[i] = at + support(s.shape, -along).at_30[i] - radius;
+        box.upper_30[i] = at + support(s.shape, along).at_30[i] + radius;
+    }
+    return box;
 }
 
 /// How a mover starts, found once for all pieces of A.
 struct Start {
     Standing standing;
-    CoordinateVec3 core;      ///< its core's centre
-    Long3 lower_30, upper_30; ///< its extent, roundings included
+    CoordinateVec3 core; ///< its core's centre
+    Box box;
 
-    /// All but how it stands is asked for by triangles alone.
+    /// Only triangles and compounds read more than how it stands.
     Start(const Ways& w, const Mover& m, const shapes::Solid& a)
-        : standing(Standing::at(w, m, Unit{}, a.geometry.kind == ShapeKind::plane)), core{}, lower_30{},
-          upper_30{} {
+        : standing(Standing::at(w, m, Unit{}, a.geometry.kind == ShapeKind::plane)), core{}, box{} {
+        if (!has_triangles(a) && a.geometry.kind != ShapeKind::compound) return;
+        box = box_of(standing);
         if (!has_triangles(a)) return;
-        const std::int64_t radius = up(std::int64_t{standing.shape.radius.raw}, 6);
-        for (int i = 0; i < 3; ++i) {
-            Long3 along{};
-            along[i] = one_30;
-            const std::int64_t at = up(standing.place_24[i], 6);
-            lower_30[i] = at + support(standing.shape, -along).at_30[i] - radius;
-            upper_30[i] = at + support(standing.shape, along).at_30[i] + radius;
-        }
         const Transform b = m.pose(w.b, Unit{});
         core = relative_pose(pose_at(w.a, Unit{}),
                              {b.position + rotate(b.rotation, shapes::core_center(*m.solid)), b.rotation})
@@ -290,6 +275,57 @@ struct Start {
                dot_dropped(raw(core - o.triangle->corner[0]), raw(o.triangle->normal), 30) < 0;
     }
 };
+
+/// The space that a part of B can come near on its way, in A's shape's frame.
+struct Corridor {
+    shapes::Extent extent;
+    SweptBox box;
+
+    Corridor(Long3 from_24, Long3 to_24, std::int64_t around_24)
+        : extent(swept_extent(from_24, to_24, around_24)),
+          box(bounds_of(swept_extent(from_24, from_24, around_24)),
+              bounds_of(swept_extent(to_24, to_24, around_24))) {}
+    /// From one box to another, each larger by `around_24` on all sides.
+    Corridor(const Box& from, const Box& to, std::int64_t around_24) : Corridor(Long3{}, Long3{}, 0) {
+        const auto extent_of = [&](const Box& b) {
+            return swept_extent(shifted(b.lower_30, 6), shifted(b.upper_30, 6), around_24);
+        };
+        const shapes::Extent first = extent_of(from), last = extent_of(to);
+        extent = {min(first.lower, last.lower), max(first.upper, last.upper)};
+        box = SweptBox(bounds_of(first), bounds_of(last));
+    }
+
+    /// No for triangles beside it: a long way through a mesh has many in its extent.
+    bool may_meet(const Obstacle& o) const {
+        if (o.kind != Obstacle::Kind::triangle) return true;
+        const CoordinateVec3(&c)[3] = o.triangle->corner;
+        return box.may_meet(bounds_of({min(c[0], min(c[1], c[2])), max(c[0], max(c[1], c[2]))}));
+    }
+};
+
+/// How far a point that turns with B leaves the straight way from where it starts to where it ends, at most [m]. A way whose second derivative is at
+/// most f leaves it by f / 8. Of a point at distance r from the axis, with a turn of up to 1 rad, that derivative is at most 1.4 r rate^2, which
+/// includes the uneven speed of nlerp; beyond that turn the whole arc is the bound.
+std::int64_t bend_30(const Ways& w, const Mover& m) {
+    const std::int64_t rate = w.spin_b.rate_30;
+    return times_30(m.reach_30, rate <= one_30 ? times_30(rate, rate) / 4 + 1 : rate) + 2;
+}
+
+/// Empty for a shape that is one piece: what meets the shape meets the piece. Where A does not turn, the boxes of the part at both ends bound its way.
+/// The ball about the body's centre that holds the part, which is the bound where A turns, would meet most triangles of a mesh under a large compound.
+Corridor corridor_of(const Ways& w, const Mover& m, const shapes::Solid& a, const Start& start,
+                     Length margin) {
+    if (!has_triangles(a) && a.geometry.kind != ShapeKind::compound) return {Long3{}, Long3{}, 0};
+    if (w.spin_a.rate_30 == 0) {
+        const std::int64_t around = ((bend_30(w, m) + roundings) >> 6) + margin.raw + 64;
+        return {start.box, box_of(Standing::at(w, m, unit_one, false)), around};
+    }
+    const Long3 from = raw(relative_pose(pose_at(w.a, Unit{}), w.b.from).position);
+    const Long3 to = raw(relative_pose(pose_at(w.a, unit_one), w.b.to).position);
+    const std::int64_t turned = times_30(w.spin_a.rate_30, w.apart_30) >> 6;
+    const std::int64_t around = (length_30(m.place.position) >> 6) + reach_24(*m.solid) + margin.raw;
+    return {from, to, around + turned + 64};
+}
 
 /// A plane that has an obstacle behind it, in the frame of the obstacle's solid.
 struct Side {
@@ -360,7 +396,7 @@ bool stays_beside(const Start& start, const Obstacle& o, std::int64_t approach_m
     for (int i = 0; i < 3; ++i) {
         const std::int64_t low = up(smaller(c[0][i].raw, smaller(c[1][i].raw, c[2][i].raw)), 6),
                            high = up(larger(c[0][i].raw, larger(c[1][i].raw, c[2][i].raw)), 6);
-        if (larger(low - start.upper_30[i], start.lower_30[i] - high) >
+        if (larger(low - start.box.upper_30[i], start.box.lower_30[i] - high) >
             approach_max + touching_gap_30 + roundings)
             return true;
     }
@@ -500,7 +536,8 @@ Unit time_of_impact(const shapes::Solid& a, const Sweep& sweep_a, const shapes::
     Unit first = unit_one;
     for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
         const Mover m = mover_of(part, place_in_body(sweep_b, place));
-        const Corridor corridor = corridor_of(w, m, a, target);
+        const Start begin(w, m, a);
+        const Corridor corridor = corridor_of(w, m, a, begin, target);
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
             if (first > Unit{} && corridor.may_meet(o))
                 first = min(first, advance(w, o, m, up(std::int64_t{target.raw}, 6), first));
@@ -514,10 +551,9 @@ void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const sha
     const Ways w(sweep_a, sweep_b);
     for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
         const Mover m = mover_of(part, place_in_body(sweep_b, place));
-        const Long3 at = raw(relative_pose(pose_at(sweep_a, Unit{}), sweep_b.from).position);
-        const std::int64_t around = (m.reach_30 >> 6) + reach_24(part) + 2 * std::int64_t{stop_gap.raw};
         const Start begin(w, m, a);
-        for_each_obstacle(a, swept_extent(at, at, around), scratch, [&](const Obstacle& o) {
+        const Corridor near(begin.box, begin.box, 2 * std::int64_t{stop_gap.raw});
+        for_each_obstacle(a, near.extent, scratch, [&](const Obstacle& o) {
             if (begin.is_behind(o)) return;
             Measured start = measure(begin.standing, o, touching_gap_30);
             if (!start.gap.overlap && start.gap.distance_30 > touching_gap_30) return;
@@ -535,8 +571,8 @@ Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::S
     Unit first = unit_one;
     for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
         const Mover m = mover_of(part, place_in_body(sweep_b, place));
-        const Corridor corridor = corridor_of(w, m, a, stop_gap + stop_gap);
         const Start begin(w, m, a);
+        const Corridor corridor = corridor_of(w, m, a, begin, stop_gap + stop_gap);
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
             if (first > Unit{} && corridor.may_meet(o))
                 first = min(first, piece_stop(w, begin, o, m, lift, held, first));
