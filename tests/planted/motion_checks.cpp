@@ -1,7 +1,7 @@
 // Checks of fast bodies, bodies far out, heavy loads, waking, the order of contacts, torn joints, and the ground under characters and
 // vehicles.
 #include "checks.h"
-#include "law/zoo/object.h"
+#include "law/zoo/case.h"
 #include "law/zoo/passage.h"
 #include "support/rigs/asked.h"
 #include "support/rigs/corrected.h"
@@ -312,6 +312,21 @@ std::string lumpy_objects_rest() {
     return {};
 }
 
+/// The first fault by a law in the cases of the seeds from 1 to `count`.
+std::string zoo_fault(zoo::Case (*draw)(std::uint64_t),
+                      std::string (*law)(const zoo::Case&, const zoo::Track&), std::uint64_t count) {
+    for (std::uint64_t seed = 1; seed <= count; ++seed) {
+        const zoo::Case c = draw(seed);
+        if (std::string found = law(c, zoo::track(c)); !found.empty()) return c.about() + ": " + found;
+    }
+    return {};
+}
+
+std::string rest_and_sleep_agree() {
+    std::string found = zoo_fault(zoo::draw_single, zoo::asleep_law, 40);
+    return found.empty() ? zoo_fault(zoo::draw_pair, zoo::woken_law, 60) : found;
+}
+
 std::string beams_rest() {
     for (const double length : {0.5, 2.0, 4.4, 8.0})
         for (const bool precise : {false, true})
@@ -353,39 +368,43 @@ std::string casts_leave_overlaps_out() {
 } // namespace
 
 Checks motion_checks() {
-    return {{"planes stop what is fast", planes_stop},
-            {"a floor at the border of the range holds", border_holds},
-            {"driven walls stop what is fast", driven_walls_stop},
-            {"driven walls carry what rests", driven_walls_carry},
-            {"posts stop what turns fast", posts_stop_rods},
-            {"corners that close are contacts", corners_close},
-            {"who sleeps among many is woken", sleepers_among_many_wake},
-            {"the order of contacts is followed", order_is_followed},
-            {"elastic bodies bounce", elastic_bodies_bounce},
-            {"torn hinges pull", torn_hinges_pull},
-            {"what is far out is held", far_out_holds},
-            {"heavy joints tell their load", heavy_joints_tell},
-            {"fast hinges count their turns", fast_hinges_count},
-            {"conveyors carry characters", conveyors_carry},
-            {"cars on cylinders park", cars_park},
-            {"objects gain no energy", objects_gain_no_energy},
-            {"flat prisms rest", flat_prisms_rest},
-            {"lumpy objects rest", lumpy_objects_rest},
-            {"beams rest", beams_rest},
-            {"sleep waits for corrections", sleep_waits_for_corrections},
-            {"rafts sleep level", [] { return first_fault(test::raft_fault, 10); }},
-            {"limits hold drives", test::limits_fault},
-            {"overlap is pushed out", [] { return first_fault(test::push_fault, 10); }},
-            {"ragdolls land", ragdolls_land},
-            {"plates slap without sinking in", plates_slap},
-            {"plates meet within their margin", plates_meet_late},
-            {"casts leave overlaps out", casts_leave_overlaps_out},
-            {"bodies have their points", [] { return first_fault(test::body_points_fault, 10); }},
-            {"heavy loads rest", [] { return first_fault(test::heavy_load_fault, 100); }},
-            {"planks stay up", [] { return first_fault(test::plank_fault, 10); }},
-            {"free rows keep momentum", [] { return first_fault(test::free_row_fault, 100); }},
-            {"passages are reported", [] { return first_fault(zoo::passage_fault, 300); }},
-            {"what passes is not run into", passing_is_free}};
+    return {
+        {"planes stop what is fast", planes_stop},
+        {"a floor at the border of the range holds", border_holds},
+        {"driven walls stop what is fast", driven_walls_stop},
+        {"driven walls carry what rests", driven_walls_carry},
+        {"posts stop what turns fast", posts_stop_rods},
+        {"corners that close are contacts", corners_close},
+        {"who sleeps among many is woken", sleepers_among_many_wake},
+        {"the order of contacts is followed", order_is_followed},
+        {"elastic bodies bounce", elastic_bodies_bounce},
+        {"torn hinges pull", torn_hinges_pull},
+        {"what is far out is held", far_out_holds},
+        {"heavy joints tell their load", heavy_joints_tell},
+        {"fast hinges count their turns", fast_hinges_count},
+        {"conveyors carry characters", conveyors_carry},
+        {"cars on cylinders park", cars_park},
+        {"objects gain no energy", objects_gain_no_energy},
+        {"flat prisms rest", flat_prisms_rest},
+        {"lumpy objects rest", lumpy_objects_rest},
+        {"beams rest", beams_rest},
+        {"rest and sleep agree", rest_and_sleep_agree},
+        {"shots stay above floors", [] { return zoo_fault(zoo::draw_shot, zoo::passage_law, 60); }},
+        {"pairs in space keep momentum", [] { return zoo_fault(zoo::draw_meeting, zoo::momentum_law, 40); }},
+        {"sleep waits for corrections", sleep_waits_for_corrections},
+        {"rafts sleep level", [] { return first_fault(test::raft_fault, 10); }},
+        {"limits hold drives", test::limits_fault},
+        {"overlap is pushed out", [] { return first_fault(test::push_fault, 10); }},
+        {"ragdolls land", ragdolls_land},
+        {"plates slap without sinking in", plates_slap},
+        {"plates meet within their margin", plates_meet_late},
+        {"casts leave overlaps out", casts_leave_overlaps_out},
+        {"bodies have their points", [] { return first_fault(test::body_points_fault, 10); }},
+        {"heavy loads rest", [] { return first_fault(test::heavy_load_fault, 100); }},
+        {"planks stay up", [] { return first_fault(test::plank_fault, 10); }},
+        {"free rows keep momentum", [] { return first_fault(test::free_row_fault, 100); }},
+        {"passages are reported", [] { return first_fault(zoo::passage_fault, 300); }},
+        {"what passes is not run into", passing_is_free}};
 }
 
 } // namespace planted

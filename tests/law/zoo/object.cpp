@@ -1,47 +1,18 @@
 #include "law/zoo/object.h"
 
-#include "lockstone/math/convert.h"
-#include "lockstone/math/math.h"
+#include "law/zoo/draw.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace lockstone::zoo {
 
 namespace {
 
-using D3 = std::array<double, 3>;
-using test::SplitMix;
-
-constexpr double pi = 3.14159265358979323846;
-
-double unit(SplitMix& random) { return static_cast<double>(random.next() >> 11) * 0x1p-53; }
-double between(SplitMix& random, double low, double high) { return low + (high - low) * unit(random); }
-/// Each power of two is as likely.
-double log_between(SplitMix& random, double low, double high) {
-    return low * std::pow(high / low, unit(random));
-}
-Real real(double x) { return quantize<Real>(x); }
-Vec3 vec(double x, double y, double z) { return {real(x), real(y), real(z)}; }
-LengthVec3 length_vec(const D3& p) {
-    return {quantize<Length>(p[0]), quantize<Length>(p[1]), quantize<Length>(p[2])};
-}
-D3 to_double3(Vec3 v) { return {to_double(v.x), to_double(v.y), to_double(v.z)}; }
-D3 direction(SplitMix& random) {
-    const double y = between(random, -1, 1), turn = between(random, 0, 2 * pi), r = std::sqrt(1 - y * y);
-    return {r * std::cos(turn), y, r * std::sin(turn)};
-}
-Quat any_turn(SplitMix& random) {
-    const D3 axis = direction(random);
-    const double half = between(random, 0, pi);
-    return normalized(quantize_quat(
-        {axis[0] * std::sin(half), axis[1] * std::sin(half), axis[2] * std::sin(half), std::cos(half)}));
-}
-
 void add_disc(Object& o, double radius, double y) {
     for (int k = 0; k < 64; ++k)
         o.corners.push_back({radius * std::cos(2 * pi * k / 64), y, radius * std::sin(2 * pi * k / 64)});
+    o.discs.push_back({radius, y});
 }
 
 /// An outline of some corners, above and below, and some more within it.
@@ -73,12 +44,6 @@ bool bake(Object& o, const std::vector<D3>& points) {
     return true;
 }
 
-std::string in_text(const char* format, double a, double b = 0, double c = 0) {
-    char text[160];
-    std::snprintf(text, sizeof text, format, a, b, c);
-    return text;
-}
-
 void draw_round(SplitMix& random, Object& o, double large, double small) {
     o.rolls = true;
     const bool is_long = random.below(2) == 0;
@@ -107,71 +72,6 @@ void draw_round(SplitMix& random, Object& o, double large, double small) {
         o.about = in_text("cone of radius %.4g m, height %.4g m", r, 2 * h);
         break;
     }
-    }
-}
-
-std::shared_ptr<AssetLibrary> floor_assets(AssetId& mesh, AssetId& field, AssetId& hull) {
-    auto library = std::make_shared<AssetLibrary>();
-    std::vector<Vec3> vertices;
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-    constexpr std::uint32_t cells = 16;
-    for (std::uint32_t j = 0; j <= cells; ++j)
-        for (std::uint32_t i = 0; i <= cells; ++i) vertices.push_back(vec(10.0 * i - 80, 0, 10.0 * j - 80));
-    for (std::uint32_t j = 0; j < cells; ++j)
-        for (std::uint32_t i = 0; i < cells; ++i) {
-            const std::uint32_t a = j * (cells + 1) + i, b = a + 1, c = a + cells + 1, d = c + 1;
-            triangles.push_back({a, c, b}), triangles.push_back({b, c, d});
-        }
-    mesh = library->add(bake_mesh({.vertices = vertices, .triangles = triangles})).value();
-    const std::vector<Length> heights(33 * 33);
-    field =
-        library->add(bake_height_field({.columns = 33, .rows = 33, .spacing = Length(5), .heights = heights}))
-            .value();
-    std::vector<LengthVec3> corners;
-    for (const double y : {-4.0, 0.0})
-        for (int k = 0; k < 12; ++k)
-            corners.push_back(length_vec({80 * std::cos(pi * k / 6), y, 80 * std::sin(pi * k / 6)}));
-    hull = library->add(bake_hull(corners)).value();
-    return library;
-}
-
-void add_floor(World& w, const Drop& drop, Vec3 offset) {
-    AssetId mesh, field, hull;
-    (void)floor_assets(mesh, field, hull);
-    const auto add = [&](Geometry geometry, Vec3 at) {
-        const BodyId body =
-            w.create_body({.kind = BodyKind::static_, .pose = {at + offset, Quat::identity()}}).value();
-        (void)w.create_shape(body, {.geometry = geometry}).value();
-        return body;
-    };
-    switch (drop.floor) {
-    case Floor::plane:
-        add(plane(), {});
-        break;
-    case Floor::box:
-        add(box(Real(80), Real(2), Real(80)), {Real{}, Real(-2), Real{}});
-        break;
-    case Floor::seam: // two boxes side by side
-        add(box(Real(40), Real(2), Real(80)), {Real(-40), Real(-2), Real{}});
-        add(box(Real(40), Real(2), Real(80)), {Real(40), Real(-2), Real{}});
-        break;
-    case Floor::parts: { // two shapes of one body
-        const BodyId body = add(box(Real(30), Real(2), Real(80)), {Real(-30), Real(-2), Real{}});
-        (void)w
-            .create_shape(body, {.geometry = box(Real(30), Real(2), Real(80)),
-                                 .local = {{Real(60), Real{}, Real{}}, Quat::identity()}})
-            .value();
-        break;
-    }
-    case Floor::hull:
-        add(instance(ShapeKind::hull, hull), {});
-        break;
-    case Floor::mesh:
-        add(instance(ShapeKind::mesh, mesh), {});
-        break;
-    case Floor::height_field:
-        add(instance(ShapeKind::height_field, field), {Real(-80), Real{}, Real(-80)});
-        break;
     }
 }
 
@@ -216,16 +116,9 @@ Reading read(const World& w, BodyId body, const Object& o, const D3& gyration_sq
 
 } // namespace
 
-const char* name_of(Floor floor) {
-    constexpr const char* names[floor_count] = {"plane", "box",  "seam",        "parts",
-                                                "hull",  "mesh", "height field"};
-    return names[static_cast<int>(floor)];
-}
-
 Object draw_prism(SplitMix& random, double large, double small, double middle, double flatness) {
     Object o;
-    AssetId mesh, field, hull;
-    o.assets = floor_assets(mesh, field, hull);
+    o.assets = floor_library();
     o.size = large, o.thickness = small, o.flatness = flatness;
     while (!bake(o, prism(random, large / 2, small / 2, middle / 2, flatness))) {}
     o.about = in_text("prism of %.4g x %.4g x %.4g m", large, small, middle) +
@@ -236,8 +129,7 @@ Object draw_prism(SplitMix& random, double large, double small, double middle, d
 Object draw_object(SplitMix& random) {
     for (;;) {
         Object o;
-        AssetId mesh, field, hull;
-        o.assets = floor_assets(mesh, field, hull);
+        o.assets = floor_library();
         const double large = log_between(random, 0.02, 20);
         const double least = std::max(0.0101, large / 500);
         const double small = log_between(random, least, std::max(least, large)),
@@ -286,8 +178,9 @@ std::string Drop::about() const {
            " Hz, " + std::to_string(def.substeps) + " substeps";
 }
 
-Drop draw_drop(std::uint64_t seed) {
-    SplitMix random(seed * 0x9e3779b97f4a7c15u + 1);
+Drop draw_drop(std::uint64_t seed) { return draw_drop(seed, SplitMix(seed * 0x9e3779b97f4a7c15u + 1)); }
+
+Drop draw_drop(std::uint64_t seed, SplitMix random) {
     Drop d;
     d.seed = seed;
     d.object = draw_object(random);
@@ -350,7 +243,7 @@ std::string beam_fault(const Beam& beam) {
 
 Played begin(const Drop& drop, Vec3 offset) {
     World w = World::create(drop.def, {}, drop.object.assets).value();
-    add_floor(w, drop, offset);
+    add_floor(w, drop.floor, offset);
     const BodyId body = w.create_body({.pose = {drop.pose.position + offset, drop.pose.rotation},
                                        .linear_velocity = drop.velocity,
                                        .angular_velocity = drop.spin})

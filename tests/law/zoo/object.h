@@ -5,7 +5,7 @@
 //   std::string fault = energy_fault(drop, out);
 #pragma once
 
-#include "lockstone/asset.h"
+#include "law/zoo/floor.h"
 #include "lockstone/world.h"
 #include "support/split_mix.h"
 
@@ -16,14 +16,11 @@
 
 namespace lockstone::zoo {
 
-enum class Floor { plane, box, seam, parts, hull, mesh, height_field };
-inline constexpr int floor_count = 7;
-const char* name_of(Floor floor);
-
 /// A shape, and the points whose convex hull, swollen by `radius`, it is; in double, for laws.
 struct Object {
     Geometry geometry{};
     std::vector<std::array<double, 3>> corners; ///< of discs some 64
+    std::vector<std::array<double, 2>> discs;   ///< radius and height of those about the local y axis [m]
     double radius = 0;                          ///< [m]
     double thickness = 0;                       ///< least extent [m]
     double size = 0;                            ///< greatest extent [m]
@@ -49,6 +46,7 @@ struct Drop {
 Object draw_prism(test::SplitMix& random, double large, double small, double middle, double flatness);
 Object draw_object(test::SplitMix& random);
 Drop draw_drop(std::uint64_t seed);
+Drop draw_drop(std::uint64_t seed, test::SplitMix random); ///< with other numbers
 /// A prism that falls flat, whose sides differ from planes by up to 2^-13 of its size.
 Drop draw_flat_prism(std::uint64_t seed);
 /// Drops a beam of 10.7 x 15.3 cm onto one of its long edges; it must roll onto a side and sleep.

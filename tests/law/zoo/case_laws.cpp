@@ -1,0 +1,146 @@
+// Laws over single objects, shots, pairs and meetings in space, each drawn by a seed. docs/results/zoo-2026-11-30.md has what they found.
+#include "law/zoo/case.h"
+#include "law/zoo/shrink.h"
+#include "support/effort.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+
+using namespace lockstone;
+using namespace lockstone::zoo;
+using namespace lockstone::test;
+
+namespace {
+
+/// How many seeds of 10,000 break each law, in the order of `laws`: as measured. Zero: none may.
+using Shares = std::array<int, std::size(laws)>;
+
+/// A share of few seeds varies: three more than twice what is due.
+int most_of(int share, int count) { return share == 0 ? 0 : 3 + 2 * share * count / 10'000; }
+
+/// The case that breaks a law, and the smallest one that still does.
+void report(const Case& c, const Law& law, const std::string& fault) {
+    const auto fails = [&](const Case& smaller) { return !law.fault(smaller, track(smaller)).empty(); };
+    MESSAGE(std::string(law.name), ": ", c.about(), ": ", fault, "\nsmallest:\n",
+            program_of(shrunk(c, fails)));
+}
+
+void check_laws(Case (*draw)(std::uint64_t), int count, const Shares& shares) {
+    std::array<int, std::size(laws)> faults{};
+    for (int seed = 1; seed <= count; ++seed) {
+        const Case c = draw(static_cast<std::uint64_t>(seed));
+        const Track t = track(c);
+        for (std::size_t i = 0; i < std::size(laws); ++i) {
+            const std::string fault = laws[i].fault(c, t);
+            if (fault.empty()) continue;
+            ++faults[i];
+            const int over = faults[i] - most_of(shares[i], count);
+            if (is_long_run() || over == 1 || over == 2) report(c, laws[i], fault);
+        }
+    }
+    std::printf("  of %d seeds break a law:", count);
+    for (std::size_t i = 0; i < std::size(laws); ++i) std::printf(" %s %d", laws[i].name, faults[i]);
+    std::printf("\n");
+    for (std::size_t i = 0; i < std::size(laws); ++i) {
+        INFO(std::string(laws[i].name));
+        CHECK(faults[i] <= most_of(shares[i], count));
+    }
+}
+
+int seeds(int whole) { return is_long_run() ? 100'000 : tries(whole); }
+
+} // namespace
+
+// Order of the shares: energy, depth, passage, asleep, woken, settled, momentum, held.
+TEST_CASE("single objects that are dropped keep the laws of the zoo") {
+    check_laws(draw_single, seeds(300), {22, 5, 3, 60, 5, 38, 0, 55});
+}
+
+TEST_CASE("objects that are shot and spun at thick and thin floors keep the laws of the zoo") {
+    check_laws(draw_shot, seeds(300), {287, 6, 0, 0, 1, 0, 0, 196});
+}
+
+TEST_CASE("pairs that are stacked and thrown, of mass ratios up to 10,000, keep the laws of the zoo") {
+    check_laws(draw_pair, seeds(300), {26, 239, 1, 142, 69, 102, 0, 48});
+}
+
+TEST_CASE("pairs that meet in space keep momentum, angular momentum and energy") {
+    check_laws(draw_meeting, seeds(300), {0, 0, 0, 0, 0, 0, 2, 2});
+}
+
+TEST_CASE("objects of any proportion move alike, bit by bit, wherever they are") {
+    const int count = is_long_run() ? 2'000 : tries(24);
+    for (int seed = 1; seed <= count; ++seed)
+        for (Case (*draw)(std::uint64_t) : {draw_single, draw_shot, draw_pair, draw_meeting}) {
+            Case c = draw(static_cast<std::uint64_t>(seed));
+            c.ticks = std::min(c.ticks, 3 * static_cast<int>(c.def.tick_rate));
+            for (const int far : {100'000, -10'000'000, 900'000'000}) {
+                INFO(c.about());
+                const Real x(far), y(seed % 2 == 0 ? far : 0), z(seed % 3 == 0 ? -far : 0);
+                CHECK(far_law(c, {x, y, z}) == "");
+            }
+        }
+}
+
+// Twins: each law reports what breaks it on purpose.
+
+namespace {
+
+/// How many seeds from 1 to 20 keep the law, and break it after the wrong.
+int noticed(Case (*draw)(std::uint64_t), std::string (*law)(const Case&, const Track&), Wrong wrong) {
+    int count = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const Case c = draw(seed);
+        if (law(c, track(c)).empty() && !law(c, track(c, wrong)).empty()) ++count;
+    }
+    return count;
+}
+
+} // namespace
+
+TEST_CASE("planted: what gains speed or spin breaks energy and momentum") {
+    CHECK(noticed(draw_single, energy_law, Wrong::pushed) >= 16);
+    CHECK(noticed(draw_meeting, momentum_law, Wrong::pushed) >= 10);
+    CHECK(noticed(draw_meeting, momentum_law, Wrong::turned) >= 6);
+}
+
+TEST_CASE("planted: what lies deep, passes through, hangs, stays awake or stands still while it is fast is "
+          "noticed" *
+          doctest::skip(is_small_sample())) {
+    CHECK(noticed(draw_single, depth_law, Wrong::sunk) >= 16);
+    CHECK(noticed(draw_pair, depth_law, Wrong::sunk) >= 12);
+    CHECK(noticed(draw_shot, passage_law, Wrong::passed) >= 8);
+    CHECK(noticed(draw_single, woken_law, Wrong::hung) >= 16);
+    CHECK(noticed(draw_single, asleep_law, Wrong::sleepless) >= 14);
+    CHECK(noticed(draw_single, settled_law, Wrong::sleepless) >= 8);
+    CHECK(noticed(draw_single, held_law, Wrong::stuck) >= 10);
+}
+
+TEST_CASE("planted: a body that begins 2^-32 m aside far out is noticed") {
+    int found = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed)
+        if (!far_law(draw_single(seed), {Real(900'000'000), Real{}, Real{}}, true).empty()) ++found;
+    CHECK(found == 10);
+}
+
+TEST_CASE("a case shrinks to one object of a round size that still fails, and to a program") {
+    const auto fails = [](const Case& c) { return c.objects.back().object.size > 0.1; };
+    int single = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        const Case c = draw_pair(seed);
+        if (!fails(c)) continue;
+        const Case s = shrunk(c, fails);
+        CHECK(fails(s));
+        CHECK(s.objects.size() == 1);
+        CHECK(s.floor == Floor::plane);
+        CHECK(s.objects[0].object.geometry.kind == ShapeKind::box);
+        CHECK(s.objects[0].velocity == Vec3{});
+        CHECK(program_of(s).find("ShapeKind::box") != std::string::npos);
+        ++single;
+    }
+    CHECK(single > 5);
+}
