@@ -55,7 +55,7 @@ Case draw_two(SplitMix& random) {
     Case c;
     for (int i = 0; i < 2; ++i) {
         Thrown t;
-        t.object = draw_object(random);
+        t.object = draw_any(random);
         t.density = log_between(random, 200, 8000);
         c.objects.push_back(std::move(t));
     }
@@ -94,7 +94,7 @@ std::string Case::about() const {
 }
 
 Case draw_single(std::uint64_t seed) {
-    const Drop d = draw_drop(seed, stream(seed, 1));
+    const Drop d = draw_drop(seed, stream(seed, 1), draw_any);
     Case c;
     c.seed = seed, c.floor = d.floor, c.def = d.def;
     c.objects.push_back({d.object, d.pose, d.velocity, d.spin, d.density});
@@ -109,7 +109,7 @@ Case draw_shot(std::uint64_t seed) {
     Case c;
     c.seed = seed, c.kind = "shot";
     Thrown t;
-    t.object = draw_object(random);
+    t.object = draw_any(random);
     t.density = log_between(random, 200, 8000);
     c.floor = static_cast<Floor>(random.below(all_floor_count));
     c.def = draw_def(random);

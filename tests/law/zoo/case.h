@@ -58,7 +58,7 @@ enum class Wrong {
 /// The measures of one object.
 struct Part {
     double lowest_at_end = 0; ///< least height [m]
-    double centre_least = 0;  ///< least height of its core's centre at any tick [m]
+    double centre_least = 0;  ///< least height of its core's centre, of a hull that of mass, at any tick [m]
     double top_least = 0;     ///< least height of its highest point at any tick [m]
     double speed_at_end = 0;  ///< of its fastest point [m/s]
     double quickest = 0;      ///< greatest speed of its centre of mass [m/s]

@@ -126,12 +126,14 @@ Object draw_prism(SplitMix& random, double large, double small, double middle, d
     return o;
 }
 
-Object draw_object(SplitMix& random) {
+Object draw_object(SplitMix& random) { return draw_object(random, 0.02, 0.0101); }
+
+Object draw_object(SplitMix& random, double size_least, double thickness_least) {
     for (;;) {
         Object o;
         o.assets = floor_library();
-        const double large = log_between(random, 0.02, 20);
-        const double least = std::max(0.0101, large / 500);
+        const double large = log_between(random, size_least, 20);
+        const double least = std::max(thickness_least, large / 500);
         const double small = log_between(random, least, std::max(least, large)),
                      middle = log_between(random, small, std::max(small, large));
         o.size = large, o.thickness = small;
@@ -169,6 +171,61 @@ Object draw_object(SplitMix& random) {
     }
 }
 
+namespace {
+
+constexpr double size_least = 0.01, thickness_least = 0.0051;
+
+/// Every point within `radius` of a cylinder, cone, box or hull.
+Object draw_rounded(SplitMix& random) {
+    for (;;) {
+        Object o = draw_object(random, size_least, thickness_least);
+        const double radius = o.thickness * between(random, 0.05, 1);
+        if (o.radius > 0 || radius < 0.0026) continue;
+        o.geometry.radius = quantize<Length>(radius);
+        o.radius = to_double(o.geometry.radius), o.size += 2 * radius;
+        o.rolls = true;
+        o.about += in_text(", rounded by %.4g m", radius);
+        if (validate(o.geometry).empty()) return o;
+    }
+}
+
+/// Two to four boxes, turned or not, about a place.
+Object draw_compound(SplitMix& random) {
+    Object o;
+    o.assets = floor_library();
+    const double large = log_between(random, 4 * size_least, 10);
+    const std::uint32_t count = 2 + random.below(3);
+    o.size = 3 * large, o.thickness = large;
+    double core = 0;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        D3 half, at;
+        for (double& h : half) h = log_between(random, std::max(thickness_least, large / 20), large) / 2;
+        for (double& x : at) x = large * between(random, -0.5, 0.5);
+        const Quat turn = random.below(2) == 0 ? Quat::identity() : any_turn(random);
+        const CompoundPart part{box(real(half[0]), real(half[1]), real(half[2])), {vec(at), turn}};
+        const Placed placed(part.local);
+        for (int i = 0; i < 8; ++i)
+            o.corners.push_back(placed.point(
+                {(i & 1 ? 1 : -1) * half[0], (i & 2 ? 1 : -1) * half[1], (i & 4 ? 1 : -1) * half[2]}));
+        const double inner = std::min({half[0], half[1], half[2]});
+        if (inner > core) core = inner, o.core = at;
+        o.thickness = std::min(o.thickness, 2 * inner);
+        o.parts.push_back(part);
+    }
+    o.geometry = instance(ShapeKind::compound, o.assets->add(bake_compound(o.parts)).value());
+    o.about = in_text("compound of %.4g boxes within %.4g m", count, large);
+    return o;
+}
+
+} // namespace
+
+Object draw_any(SplitMix& random) {
+    const std::uint32_t kind = random.below(8);
+    if (kind == 0) return draw_rounded(random);
+    if (kind == 1) return draw_compound(random);
+    return draw_object(random, size_least, thickness_least);
+}
+
 std::string Drop::about() const {
     const D3 v = to_double3(velocity), w = to_double3(spin), at = to_double3(pose.position);
     return "seed " + std::to_string(seed) + ": " + object.about + ", " + in_text("%.4g kg/m^3, ", density) +
@@ -178,12 +235,14 @@ std::string Drop::about() const {
            " Hz, " + std::to_string(def.substeps) + " substeps";
 }
 
-Drop draw_drop(std::uint64_t seed) { return draw_drop(seed, SplitMix(seed * 0x9e3779b97f4a7c15u + 1)); }
+Drop draw_drop(std::uint64_t seed) {
+    return draw_drop(seed, SplitMix(seed * 0x9e3779b97f4a7c15u + 1), draw_object);
+}
 
-Drop draw_drop(std::uint64_t seed, SplitMix random) {
+Drop draw_drop(std::uint64_t seed, SplitMix random, Object (*draw)(SplitMix&)) {
     Drop d;
     d.seed = seed;
-    d.object = draw_object(random);
+    d.object = draw(random);
     d.floor = static_cast<Floor>(random.below(floor_count));
     d.def = random.below(3) == 0 ? WorldDef::precise() : WorldDef{};
     constexpr std::uint32_t rates[] = {30, 60, 60, 120};
@@ -193,7 +252,8 @@ Drop draw_drop(std::uint64_t seed, SplitMix random) {
     const Quat turn = random.below(4) == 0 ? Quat::identity() : any_turn(random);
     const double reach = 0.5 * std::sqrt(3.0) * d.object.size + d.object.radius;
     const double above = random.below(3) == 0 ? 0.001 : log_between(random, 0.01, 6);
-    d.pose = {vec(between(random, -1, 1), reach + above, between(random, -1, 1)), turn};
+    const double z = between(random, -1, 1), x = between(random, -1, 1);
+    d.pose = {vec(x, reach + above, z), turn};
     const bool is_thrown = random.below(3) == 0;
     if (is_thrown) {
         const D3 way = direction(random);

@@ -21,6 +21,8 @@ struct Object {
     Geometry geometry{};
     std::vector<std::array<double, 3>> corners; ///< of discs some 64
     std::vector<std::array<double, 2>> discs;   ///< radius and height of those about the local y axis [m]
+    std::vector<CompoundPart> parts;            ///< of a compound
+    std::array<double, 3> core{};               ///< of a compound, the centre of its thickest part
     double radius = 0;                          ///< [m]
     double thickness = 0;                       ///< least extent [m]
     double size = 0;                            ///< greatest extent [m]
@@ -45,8 +47,12 @@ struct Drop {
 /// Each side of the prism lies within `flatness` of a plane, as the sides of exported models do.
 Object draw_prism(test::SplitMix& random, double large, double small, double middle, double flatness);
 Object draw_object(test::SplitMix& random);
+Object draw_object(test::SplitMix& random, double size_least, double thickness_least);
+/// From 1 cm on, and rounded ones and compounds too.
+Object draw_any(test::SplitMix& random);
 Drop draw_drop(std::uint64_t seed);
-Drop draw_drop(std::uint64_t seed, test::SplitMix random); ///< with other numbers
+/// With other numbers and objects.
+Drop draw_drop(std::uint64_t seed, test::SplitMix random, Object (*draw)(test::SplitMix&));
 /// A prism that falls flat, whose sides differ from planes by up to 2^-13 of its size.
 Drop draw_flat_prism(std::uint64_t seed);
 /// Drops a beam of 10.7 x 15.3 cm onto one of its long edges; it must roll onto a side and sleep.

@@ -106,12 +106,22 @@ std::string code_of(const Quat& q) {
 
 std::string geometry_code(const Object& o) {
     const Geometry& g = o.geometry;
+    if (g.kind == ShapeKind::compound) {
+        std::string text =
+            "instance(ShapeKind::compound, library->add(bake_compound(std::vector<CompoundPart>{";
+        for (const CompoundPart& part : o.parts)
+            text += "{Geometry{ShapeKind::box, Length{}, " + code_of(part.geometry.half_extent) + "}, {" +
+                    code_of(part.local.position) + ", " + code_of(part.local.rotation) + "}}, ";
+        return text + "})).value())";
+    }
     if (g.kind != ShapeKind::hull)
         return "Geometry{ShapeKind::" + std::string(name_of(g.kind)) + ", " + code_of(g.radius) + ", " +
                code_of(g.half_extent) + "}";
-    std::string text = "instance(ShapeKind::hull, library->add(bake_hull(std::vector<LengthVec3>{";
+    std::string text = "[&] {\n        Geometry hull = instance(ShapeKind::hull, "
+                       "library->add(bake_hull(std::vector<LengthVec3>{";
     for (const D3& corner : o.corners) text += code_of(length_vec(corner)) + ", ";
-    return text + "}).value()).value())";
+    return text + "})).value());\n        hull.radius = " + code_of(g.radius) +
+           ";\n        return hull;\n    }()";
 }
 
 } // namespace

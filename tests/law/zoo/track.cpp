@@ -87,11 +87,12 @@ Sight Player::see(std::size_t i) const {
         s.lowest = std::min(s.lowest, at[1] - o.radius), s.highest = std::max(s.highest, at[1] + o.radius);
         s.fastest = std::max(s.fastest, length(plus(s.velocity, across(turning, minus(at, s.centre)))));
     }
-    s.core = c.objects[i].object.geometry.kind == ShapeKind::hull ? s.centre : placed.at;
+    s.core = o.geometry.kind == ShapeKind::hull ? s.centre : placed.point(o.core);
     for (const auto& [radius, y] : o.discs) {
         const double rim = radius * std::sqrt(std::max(0.0, 1 - placed.y[1] * placed.y[1])),
                      middle = placed.point({0, y, 0})[1];
-        s.lowest = std::min(s.lowest, middle - rim), s.highest = std::max(s.highest, middle + rim);
+        s.lowest = std::min(s.lowest, middle - rim - o.radius);
+        s.highest = std::max(s.highest, middle + rim + o.radius);
     }
     const Placed axes({Vec3{}, normalized(pose.rotation * principal[i])});
     s.spin = across(s.centre, s.velocity);
