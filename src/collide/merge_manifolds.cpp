@@ -66,37 +66,44 @@ struct Side {
     Long3 across;
 };
 
+/// The point with the greatest measure above `least`, among points that touch if there is one, else among all: chosen by place alone, a deep point
+/// would be left out in one tick and come back in the next one, and compounds would jitter. Measures must differ by a sixteenth to count.
+template <class Measure>
+const ManifoldPoint* find_most(const Cluster& c, std::int64_t least, const Measure& measure) {
+    const ManifoldPoint *touching = nullptr, *any = nullptr;
+    std::int64_t most_touching = least, most = least;
+    c.for_each_point([&](const ManifoldPoint& p) {
+        const std::int64_t x = measure(p);
+        if (x > most + (most >> 4)) any = &p, most = x;
+        if (p.separation <= Separation{} && x > most_touching + (most_touching >> 4))
+            touching = &p, most_touching = x;
+    });
+    return touching != nullptr ? touching : any;
+}
+
 /// Appends the point that is furthest from the first, the one that is furthest from the line of both, and the one
 /// that adds most to the triangle of the three.
 void add_spread(const Cluster& c, Manifold& out) {
     const ManifoldPoint first = out.points[0];
-    const ManifoldPoint* second = nullptr;
-    std::int64_t most = place_noise_20 * place_noise_20;
-    c.for_each_point([&](const ManifoldPoint& p) {
+    const ManifoldPoint* second = find_most(c, place_noise_20 * place_noise_20, [&](const ManifoldPoint& p) {
         const Long3 d = between_20(first, p);
-        if (const std::int64_t square = dot(d, d); square > most + (most >> 4)) second = &p, most = square;
+        return dot(d, d);
     });
     if (second == nullptr) return;
     out.points[out.count++] = *second;
     const Side base(c, first, *second);
     const std::int64_t least =
         isqrt(static_cast<std::uint64_t>(dot(base.across, base.across))) * place_noise_20;
-    const ManifoldPoint* third = nullptr;
-    most = least;
-    c.for_each_point([&](const ManifoldPoint& p) {
-        if (const std::int64_t area = absolute(base.area(p)); area > most + (most >> 4))
-            third = &p, most = area;
-    });
+    const ManifoldPoint* third =
+        find_most(c, least, [&](const ManifoldPoint& p) { return absolute(base.area(p)); });
     if (third == nullptr) return;
     out.points[out.count++] = *third;
     const std::int64_t turn = base.area(*third) > 0 ? -1 : 1; // outside is to the right of a left turn
     const Side sides[3] = {base, Side(c, *second, *third), Side(c, *third, first)};
-    const ManifoldPoint* fourth = nullptr;
-    most = least;
-    c.for_each_point([&](const ManifoldPoint& p) {
-        for (const Side& side : sides)
-            if (const std::int64_t area = turn * side.area(p); area > most + (most >> 4))
-                fourth = &p, most = area;
+    const ManifoldPoint* fourth = find_most(c, least, [&](const ManifoldPoint& p) {
+        std::int64_t most = 0;
+        for (const Side& side : sides) most = larger(most, turn * side.area(p));
+        return most;
     });
     if (fourth != nullptr) out.points[out.count++] = *fourth;
 }

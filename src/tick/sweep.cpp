@@ -299,6 +299,20 @@ void fetch_ahead(const Sweeper& s, std::uint32_t row) {
 
 constexpr std::uint32_t sweeps_per_chunk = 16;
 
+/// Takes the speed of gravity out for the way that a stopped body did not go. Velocity is kept where a body is stopped, so a body that is stopped in
+/// each tick, and that no contact holds, would otherwise gain speed for ever; the contact that holds it at last would turn that speed into spin.
+void take_fall_back(Model& w, const Sweeper& s, std::uint32_t row, const Transform& at) {
+    const Vec3 gravity = w.header().gravity, whole = s.pose[row].position - s.pose_before(row).position;
+    const Real fallen = dot<Real>(whole, gravity),
+               left = dot<Real>(s.pose[row].position - at.position, gravity);
+    if (fallen <= Real{} || left <= Real{}) return;
+    const BodyTraits& traits = s.mass.traits[s.info[row].traits];
+    const Real part = left >= fallen ? Real(1) : left / fallen,
+               scale = part * traits.gravity_scale / Real(static_cast<std::int32_t>(w.config().tick_rate));
+    SpeedVec3& velocity = w.state.edit_row(w.m.body_velocity, row).linear;
+    velocity = to<Speed>(to<Real>(velocity) - gravity * scale);
+}
+
 /// The pose of a stopped body, and its angular velocity: the same along the axes of the body. Those of the whole turn would have another energy about the
 /// axes that the body has where it was stopped; of a thin body up to thousands of times as much.
 void stop_body(Model& w, const Sweeper& s, std::uint32_t row, const Transform& at) {
@@ -310,6 +324,7 @@ void stop_body(Model& w, const Sweeper& s, std::uint32_t row, const Transform& a
         SpeedVec3& spin = w.state.edit_row(w.m.body_velocity, row).angular;
         spin = to<Speed>(rotate(normalized(at.rotation * conjugate(meant)), to<Real>(spin)));
     }
+    take_fall_back(w, s, row, at);
     w.state.edit_row(w.m.body_pose, row) = at;
 }
 

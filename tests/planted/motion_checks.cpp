@@ -10,6 +10,8 @@
 #include "support/rigs/motor_at_limit.h"
 #include "support/rigs/plank.h"
 #include "support/rigs/slapped_plate.h"
+#include "support/rigs/stopped_fall.h"
+#include "support/rigs/sunk_hull.h"
 #include "support/rigs/torn_hinge.h"
 
 #include <algorithm>
@@ -391,6 +393,10 @@ Checks motion_checks() {
         {"rest and sleep agree", rest_and_sleep_agree},
         {"shots stay above floors", [] { return zoo_fault(zoo::draw_shot, zoo::passage_law, 60); }},
         {"pairs in space keep momentum", [] { return zoo_fault(zoo::draw_meeting, zoo::momentum_law, 40); }},
+        {"stopped balls have fallen as far as they went",
+         [] { return first_fault(test::stopped_fall_fault, 20); }},
+        {"compounds come to rest", [] { return zoo_fault(zoo::draw_single, zoo::settled_law, 160); }},
+        {"deepest corners are contacts", [] { return first_fault(test::sunk_hull_fault, 100); }},
         {"sleep waits for corrections", sleep_waits_for_corrections},
         {"rafts sleep level", [] { return first_fault(test::raft_fault, 10); }},
         {"limits hold drives", test::limits_fault},

@@ -269,7 +269,7 @@ struct Start {
                              {b.position + rotate(b.rotation, shapes::core_center(*m.solid)), b.rotation})
                    .position;
     }
-    /// Whether the core's centre is behind a one-sided triangle.
+    /// True if the core's centre is behind a one-sided triangle.
     bool is_behind(const Obstacle& o) const {
         return o.kind == Obstacle::Kind::triangle && o.one_sided &&
                dot_dropped(raw(core - o.triangle->corner[0]), raw(o.triangle->normal), 30) < 0;

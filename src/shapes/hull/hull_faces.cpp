@@ -281,13 +281,14 @@ void find_patches(Hull& hull) {
     for (Hull::Face& face : hull.faces) {
         face.patch_first = face.patch_count = 0;
         const std::int64_t least = reach_along(hull.vertices, face.normal).high_54 - depth_54;
+        const auto own = std::span(hull.loops).subspan(face.first, face.count);
+        const auto is_own = [&](std::size_t v) { return std::ranges::find(own, v) != own.end(); };
+        // Corners of the face belong to its patch at any depth: without them the deepest corner of a face that is less flat could be missing.
         std::vector<std::uint8_t> corners;
         for (std::size_t v = 0; v < hull.vertices.size(); ++v)
-            if (reach_along(std::span(&hull.vertices[v], 1), face.normal).high_54 >= least)
+            if (is_own(v) || reach_along(std::span(&hull.vertices[v], 1), face.normal).high_54 >= least)
                 corners.push_back(static_cast<std::uint8_t>(v));
-        const auto own = std::span(hull.loops).subspan(face.first, face.count);
-        if (std::ranges::all_of(corners, [&](auto v) { return std::ranges::find(own, v) != own.end(); }))
-            continue;
+        if (std::ranges::all_of(corners, is_own)) continue;
         const std::vector<std::uint8_t> outline = outline_of(hull, face.normal, std::move(corners));
         if (outline.size() < 3) continue;
         face.patch_first = static_cast<std::uint32_t>(hull.patches.size());

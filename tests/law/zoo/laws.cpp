@@ -1,6 +1,8 @@
 // Laws over objects of any proportion: what falls gains no energy, and lies on what it fell on.
 #include "law/zoo/object.h"
 #include "support/effort.h"
+#include "support/rigs/stopped_fall.h"
+#include "support/rigs/sunk_hull.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -34,6 +36,16 @@ TEST_CASE("a prism whose sides are flat to micrometres lies on every floor, and 
         CHECK(energy_fault(drop, out) == "");
         CHECK(rest_fault(drop, out) == "");
     }
+}
+
+TEST_CASE("a ball that the sweep stops has the speed of the fall that it made") {
+    for (int seed = 1; seed <= tries(300); ++seed)
+        CHECK(stopped_fall_fault(static_cast<std::uint64_t>(seed)) == "");
+}
+
+TEST_CASE("a hull in a floor has a contact point as deep as its deepest corner") {
+    const int count = is_long_run() ? 100'000 : tries(400);
+    for (int seed = 1; seed <= count; ++seed) CHECK(sunk_hull_fault(static_cast<std::uint64_t>(seed)) == "");
 }
 
 TEST_CASE("a beam of any length that falls onto its edge rolls onto a side and sleeps") {
