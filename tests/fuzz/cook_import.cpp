@@ -11,7 +11,7 @@
 //
 // The first byte of an input chooses the format, the rest is the file.
 #include "cook/import.h"
-#include "cook/read_model.h"
+#include "cook/read/read_model.h"
 #include "cook_input.h"
 
 #include <atomic>

@@ -16,7 +16,7 @@ using namespace lockstone::cook;
 Result<AssetBytes> bake_hull_of(const Soup& soup, const CookOptions& options) {
     const Result<Convex> whole = convex_hull(soup.vertices);
     if (!whole) return whole.error();
-    const Result<Convex> few = reduced(*whole, options.corners_max);
+    const Result<Convex> few = reduced(*whole, options.corners_max.value_or(64));
     if (!few) return few.error();
     std::vector<LengthVec3> points;
     for (const Point& p : few->surface.vertices)

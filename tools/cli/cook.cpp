@@ -20,6 +20,7 @@ struct Args {
     cook::CookOptions options;
     cook::ImportLimits limits;
     std::uint64_t memory_mb = 1024;
+    std::uint32_t corners_max = 0; ///< 0: not given
     bool json = false;
 };
 
@@ -40,12 +41,18 @@ void describe(CLI::App& command, Args& args) {
         .show_default();
     add_real(command, "--scale", args.options.scale, "metres per unit of the model, default 1", 1e-9, 1e9);
     add_real(command, "--deviation", args.options.deviation,
-             "allowed [m]; default: 1 % of the model's largest extent", 0, 1e4);
+             "allowed [m]; default: 1 % of the model's largest extent, hull and convex aim for that and may "
+             "take 10 %",
+             0, 1e4);
     add_number(command, "--parts", args.options.parts_max, "convex: at most so many hulls", 1,
                compound_parts_max);
-    add_number(command, "--vertices", args.options.corners_max,
-               "hull, convex: at most so many corners a hull", 4, hull_vertices_max);
+    add_number(
+        command, "--vertices", args.corners_max,
+        "hull, convex: at most so many corners a hull; default: 64, a hull takes more where 1 % needs them",
+        4, hull_vertices_max);
     add_flag(command, "--two-sided", args.options.two_sided, "mesh: walls to both sides, nothing is inside");
+    add_flag(command, "--flip", args.options.flip,
+             "triangles face the other way, for a surface that is inside out");
     add_real(command, "--flat", args.options.flat,
              "mesh, height-field: edges that bend less are not felt [degrees]", 0, 90);
     add_real(command, "--spacing", args.options.spacing,
@@ -71,7 +78,9 @@ json::Value report_of(const Args& args, const cook::Cooked& made) {
                      {"triangles", made.triangles},
                      {"parts", made.parts},
                      {"deviation_m", made.deviation},
-                     {"deviation_allowed_m", made.deviation_max}};
+                     {"deviation_aimed_m", made.deviation_aimed},
+                     {"deviation_allowed_m", made.deviation_max},
+                     {"notes", made.notes}};
     if (made.kind == ShapeKind::hull) json["gap_m"] = made.gap;
     if (made.parts_dropped > 0) json["parts_dropped"] = made.parts_dropped;
     if (made.kind == ShapeKind::height_field) {
@@ -89,8 +98,8 @@ void print(const Args& args, const cook::Cooked& made) {
     std::printf("%s: %s %s, %zu vertices, %zu triangles", shown(args.asset, longest_name).c_str(),
                 name_of(made.kind), hash_text(made.id.value).c_str(), made.vertices, made.triangles);
     if (made.parts > 0) std::printf(", %zu %s", made.parts, made.parts == 1 ? "part" : "parts");
-    std::printf(", %zu bytes\ndeviation %.3g m of %.3g m allowed\n", made.bytes(), made.deviation,
-                made.deviation_max);
+    std::printf(", %zu bytes\ndeviation %.3g m, %.3g m are aimed for and %.3g m allowed\n", made.bytes(),
+                made.deviation, made.deviation_aimed, made.deviation_max);
     constexpr double rounding =
         1e-6; // [m]: of coordinates; beyond a convex model the hull reaches no further
     if (made.kind == ShapeKind::hull && made.gap > std::max(made.deviation_max, rounding))
@@ -100,6 +109,17 @@ void print(const Args& args, const cook::Cooked& made) {
     if (made.kind == ShapeKind::height_field)
         std::printf("samples every %.6g m; the first lies at %.6g %.6g %.6g m in the model\n", made.spacing,
                     made.origin.x, made.origin.y, made.origin.z);
+    for (const std::string& note : made.notes) std::printf("note: %s\n", note.c_str());
+}
+
+/// The flags that bring an asset nearer to its model.
+std::string flags_of(const Args& args) {
+    if (args.as == "hull") return "--deviation allows more, --vertices keeps more corners";
+    if (args.as == "convex")
+        return "--deviation allows more, --parts and --vertices follow the model closer, --as mesh keeps all "
+               "triangles";
+    return args.as == "mesh" ? "--deviation allows more"
+                             : "--deviation allows more, a smaller --spacing follows the model closer";
 }
 
 /// Writes, reads what was written, and compares.
@@ -117,6 +137,7 @@ Status write_and_read(const std::string& path, const cook::Cooked& made) {
 Result<cook::Cooked> cook_within(const Args& args) {
     cook::CookOptions options = args.options;
     options.as = kinds.at(args.as);
+    if (args.corners_max != 0) options.corners_max = args.corners_max;
     const cook::MemoryLimit limit(args.memory_mb << 20);
     cook::ImportLimits limits = args.limits;
     limits.memory = limit.address_space();
@@ -141,8 +162,9 @@ Result<Exit> run(const Args& args) {
     if (!made) return made.error();
     if (!made->good()) {
         print(args, *made);
-        std::fprintf(stderr, "lockstone: %s: deviates by %g m, %g m are allowed; nothing was written\n",
-                     shown(args.model, longest_name).c_str(), made->deviation, made->deviation_max);
+        std::fprintf(stderr, "lockstone: %s: deviates by %g m, %g m are allowed; nothing was written (%s)\n",
+                     shown(args.model, longest_name).c_str(), made->deviation, made->deviation_max,
+                     flags_of(args).c_str());
         return Exit::check_failed;
     }
     if (Status s = write_and_read(args.asset, *made); !s) return s.error();

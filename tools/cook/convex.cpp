@@ -14,14 +14,14 @@ extern "C" {
 namespace lockstone::cook {
 namespace {
 
-/// One run of qhull. Its errors leave by longjmp through C frames alone and come back as an exit code.
+/// One run of qhull with the options of its command line. Its errors leave by longjmp through C frames alone and come back as an exit code.
 class Run {
   public:
-    explicit Run(std::vector<double> coordinates) : points(std::move(coordinates)), quiet(open_quiet()) {
+    Run(std::vector<double> coordinates, std::string options)
+        : points(std::move(coordinates)), quiet(open_quiet()) {
         qh_zero(&qh, quiet.get());
-        char command[] = "qhull Qt Pp";
-        exit_code = qh_new_qhull(&qh, 3, static_cast<int>(points.size() / 3), points.data(), False, command,
-                                 quiet.get(), quiet.get());
+        exit_code = qh_new_qhull(&qh, 3, static_cast<int>(points.size() / 3), points.data(), False,
+                                 options.data(), quiet.get(), quiet.get());
     }
     Run(const Run&) = delete;
     Run& operator=(const Run&) = delete;
@@ -49,6 +49,8 @@ class Run {
         }
         return out;
     }
+    /// qhull reports points with one x, y or z as wrong input.
+    bool is_flat() const { return exit_code == qh_ERRsingular || exit_code == qh_ERRinput; }
     int exit_code = 0;
 
   private:
@@ -62,6 +64,12 @@ class Run {
     std::unique_ptr<std::FILE, Close> quiet;
     qhT qh{};
 };
+
+constexpr const char* no_hull = "qhull finds no hull of the points within double precision";
+
+Error flat_error() {
+    return Error{"the points lie in one plane: they have no hull (--as mesh --two-sided keeps a flat model)"};
+}
 
 double signed_volume(const Soup& surface, Point from) {
     double six = 0;
@@ -131,6 +139,14 @@ double Convex::beyond(Point p) const {
     return most;
 }
 
+double Convex::way_out(Point p, Point direction) const {
+    double least = 1e300;
+    for (const Plane& plane : planes)
+        if (const double slope = dot(plane.normal, direction); slope > 0)
+            least = std::min(least, std::max(0.0, plane.offset - dot(plane.normal, p)) / slope);
+    return least < 1e300 ? least : 0;
+}
+
 Result<Convex> convex_hull(std::span<const Point> points) {
     if (points.size() < 4)
         return Error{"a hull needs at least 4 points, there are " + std::to_string(points.size())};
@@ -140,25 +156,25 @@ Result<Convex> convex_hull(std::span<const Point> points) {
     std::vector<double> coordinates;
     for (const Point& p : all)
         for (int axis = 0; axis < 3; ++axis) coordinates.push_back(p[axis] - shift[axis]);
-    Run run(std::move(coordinates));
-    if (run.exit_code != qh_ERRnone)
-        return Error{run.exit_code == qh_ERRsingular || run.exit_code == qh_ERRprec
-                         ? "the points lie in one plane: there is no hull"
-                         : "qhull gave up with code " + std::to_string(run.exit_code)};
-    Soup indexed{all, run.triangles()};
+    // Facets that qhull cannot merge within its precision end the first run; the second moves the points by some 1e-13 of their extent.
+    auto run = std::make_unique<Run>(coordinates, "qhull Qt Pp");
+    if (run->exit_code != qh_ERRnone && !run->is_flat())
+        run = std::make_unique<Run>(std::move(coordinates), "qhull QJ Pp");
+    if (run->exit_code != qh_ERRnone) return run->is_flat() ? flat_error() : Error{no_hull};
+    Soup indexed{all, run->triangles()};
     for (const Indices& t : indexed.triangles)
         for (const std::uint32_t v : t)
             if (v >= all.size()) return Error{"qhull named a point that is not there"};
     Convex hull;
     hull.surface = compacted(indexed);
-    if (hull.surface.triangles.size() < 4) return Error{"the points lie in one plane: there is no hull"};
+    if (hull.surface.triangles.size() < 4) return flat_error();
     hull.volume = signed_volume(hull.surface, shift);
     if (hull.volume < 0) {
         for (Indices& t : hull.surface.triangles) std::swap(t[1], t[2]);
         hull.volume = -hull.volume;
     }
     fill_planes(hull);
-    if (hull.planes.size() < 4) return Error{"the points lie in one plane: there is no hull"};
+    if (hull.planes.size() < 4) return flat_error();
     return hull;
 }
 

@@ -20,6 +20,8 @@ struct Convex {
 
     /// How far the point is beyond the plane that it is farthest beyond; negative inside [m].
     double beyond(Point p) const;
+    /// How far it is from a point inside along a direction of length 1 to where the hull ends [m].
+    double way_out(Point p, Point direction) const;
 };
 
 /// Error when fewer than four points remain, or all lie in one plane to within qhull's precision.

@@ -3,8 +3,10 @@
 #include "cook/decompose.h"
 #include "cook/deviation.h"
 #include "cook/height_field.h"
+#include "cook/soundness.h"
 #include "lockstone/math/convert.h"
 
+#include <cstdio>
 #include <numbers>
 
 namespace lockstone::cook {
@@ -14,7 +16,8 @@ namespace {
 struct Source {
     const CookOptions& options;
     Soup soup; ///< welded, y up, in metres
-    double deviation_max;
+    Soundness soundness;
+    double deviation_aimed, deviation_max;
     Surface surface;
 };
 
@@ -69,20 +72,41 @@ Status check_reach(const Soup& soup) {
     return {};
 }
 
-Result<Cooked> cook_hull(const Source& source) {
-    if (const Status s = check_reach(source.soup); !s) return s.error();
-    const Result<Convex> whole = convex_hull(source.soup.vertices);
-    if (!whole) return whole.error();
-    const Result<Convex> few = reduced(*whole, source.options.corners_max);
+constexpr std::uint32_t corners_first = 64;
+
+/// The sentence of an asset that cannot be baked, and the flags that help.
+Error with_flags(const Error& why, const char* flags) { return Error{why.message + " (" + flags + ")"}; }
+constexpr const char* flags_of_thin = "--scale enlarges it; --as mesh --two-sided keeps a thin model";
+
+Result<Cooked> cook_hull_of(const Source& source, const Convex& whole, std::uint32_t corners_max) {
+    const Result<Convex> few = reduced(whole, corners_max);
     if (!few) return few.error();
     Cooked out;
-    const Result<Soup> loaded = keep(bake_hull(quantized(few->surface.vertices)), out);
+    Result<AssetBytes> baked = bake_hull(quantized(few->surface.vertices));
+    if (!baked) return with_flags(baked.error(), flags_of_thin);
+    const Result<Soup> loaded = keep(std::move(baked), out);
     if (!loaded) return loaded.error();
     const Result<Convex> result = convex_hull(loaded->vertices);
     if (!result) return result.error();
     out.gap = excess(*result, source.surface, source.options.samples / 10);
     out.parts = 1;
-    return with_deviation(std::move(out), deviation_of_hulls(*whole, *result));
+    out.volume = result->volume;
+    return with_deviation(std::move(out), deviation_of_hulls(whole, *result));
+}
+
+/// Adds corners until the deviation reaches the aim, where no number of corners is given.
+Result<Cooked> cook_hull(const Source& source) {
+    if (const Status s = check_reach(source.soup); !s) return s.error();
+    const Result<Convex> whole = convex_hull(source.soup.vertices);
+    if (!whole) return whole.error();
+    if (source.options.corners_max) return cook_hull_of(source, *whole, *source.options.corners_max);
+    Result<Cooked> best = cook_hull_of(source, *whole, corners_first);
+    for (const std::uint32_t corners : {2 * corners_first, hull_vertices_max}) {
+        if (best && best->deviation <= source.deviation_aimed) break;
+        Result<Cooked> next = cook_hull_of(source, *whole, corners);
+        if (!best || (next && next->deviation < best->deviation)) best = std::move(next);
+    }
+    return best;
 }
 
 // ---- convex decomposition -------------------------------------------------------------------------------------
@@ -92,7 +116,7 @@ Status bake_parts(const std::vector<Convex>& wanted, const CookOptions& options,
                   Cooked& out, std::vector<CompoundPart>& parts, std::vector<Convex>& loaded) {
     std::optional<Error> why;
     for (const Convex& part : wanted) {
-        const Result<Convex> few = reduced(part, options.corners_max);
+        const Result<Convex> few = reduced(part, options.corners_max.value_or(corners_first));
         if (!few) return few.error();
         Result<AssetBytes> bytes = bake_hull(quantized(few->surface.vertices));
         if (!bytes) {
@@ -106,12 +130,13 @@ Status bake_parts(const std::vector<Convex>& wanted, const CookOptions& options,
         if (!geometry) return geometry.error();
         Result<Convex> again = convex_hull(to_soup(triangulate(*geometry, library)).vertices);
         if (!again) return again.error();
+        out.volume += again->volume;
         loaded.push_back(std::move(*again));
         parts.push_back({*geometry, Transform::identity()});
         out.assets.push_back(std::move(*bytes));
     }
-    if (parts.empty()) return why ? Status(*why) : Status(Error{"the model has no volume"});
-    return {};
+    if (!parts.empty()) return {};
+    return with_flags(why.value_or(Error{"the model has no volume"}), flags_of_thin);
 }
 
 Result<Cooked> cook_parts(const Source& source, double deviation) {
@@ -144,14 +169,16 @@ Result<Cooked> cook_parts(const Source& source, double deviation) {
 /// What the decomposition samples is coarse: when the check finds more deviation, it is asked for less.
 Result<Cooked> cook_convex(const Source& source) {
     if (const Status s = check_reach(source.soup); !s) return s.error();
-    Result<Cooked> best = cook_parts(source, 0.8 * source.deviation_max);
+    Result<Cooked> best = cook_parts(source, 0.8 * source.deviation_aimed);
     for (const double share : {0.5, 0.25}) {
-        if (!best || best->deviation <= source.deviation_max || best->parts >= source.options.parts_max)
+        if (!best || best->deviation <= source.deviation_aimed || best->parts >= source.options.parts_max)
             break;
-        Result<Cooked> next = cook_parts(source, share * source.deviation_max);
+        Result<Cooked> next = cook_parts(source, share * source.deviation_aimed);
         if (next && next->deviation < best->deviation) best = std::move(next);
     }
-    return best;
+    if (!best || best->parts != 1 || best->deviation <= source.deviation_aimed) return best;
+    Result<Cooked> one = cook_hull(source); // which may have more corners than a part
+    return one && one->deviation + one->gap < best->deviation ? one : best;
 }
 
 // ---- ground ---------------------------------------------------------------------------------------------------
@@ -164,9 +191,11 @@ Result<Cooked> cook_mesh(const Source& source) {
     def.two_sided = source.options.two_sided;
     def.flat_sine = sine_of_flat(source.options, def.flat_sine);
     Cooked out;
-    const Result<Soup> loaded = keep(bake_mesh(def), out);
+    Result<AssetBytes> baked = bake_mesh(def);
+    if (!baked) return with_flags(baked.error(), "--scale makes it smaller or larger");
+    const Result<Soup> loaded = keep(std::move(baked), out);
     if (!loaded) return loaded.error();
-    if (loaded->triangles.empty()) return Error{"every triangle is degenerate"};
+    if (loaded->triangles.empty()) return Error{"every triangle is degenerate (--scale enlarges it)"};
     return with_deviation(
         std::move(out), deviation_of_surfaces(source.soup, source.surface, *loaded, source.options.samples));
 }
@@ -183,7 +212,10 @@ Result<Cooked> cook_heights(const Source& source, double spacing) {
     Cooked out;
     Result<Soup> loaded = keep(bake_height_field(def), out);
     if (!loaded) return loaded.error();
-    if (loaded->triangles.empty()) return Error{"nothing of the model is seen from above"};
+    if (loaded->triangles.empty())
+        return Error{"no cell of the height field lies below triangles of the model with all its corners "
+                     "(--z-up turns a model whose z axis points up; "
+                     "a smaller --spacing follows a narrow one; --as mesh keeps upright triangles)"};
     out.origin = heights->origin;
     out.spacing = to_double(heights->spacing);
     for (Point& p : loaded->vertices) p = p + heights->origin;
@@ -201,7 +233,7 @@ Result<Cooked> cook_height_field(const Source& source) {
         Result<Cooked> now = cook_heights(source, std::max(size.x, size.z) / cells);
         if (!now) return now;
         if (!best || now->deviation < (*best)->deviation) best = std::move(now);
-        if ((*best)->deviation <= source.deviation_max) break;
+        if ((*best)->deviation <= source.deviation_aimed) break;
     }
     return std::move(*best);
 }
@@ -215,6 +247,8 @@ Result<Soup> in_metres(const Soup& model, const CookOptions& options) {
     if (const std::string why = check(soup); !why.empty()) return Error{why};
     soup = compacted(welded(soup));
     if (soup.triangles.empty()) return Error{"it has no triangle with an area"};
+    if (options.flip)
+        for (Indices& t : soup.triangles) std::swap(t[1], t[2]);
     return soup;
 }
 
@@ -232,6 +266,45 @@ Result<Cooked> cook_kind(const Source& source) {
     return cook_height_field(source);
 }
 
+// ---- what is odd ----------------------------------------------------------------------------------------------
+
+std::string in_text(const char* format, double a, double b = 0) {
+    char text[300];
+    std::snprintf(text, sizeof text, format, a, b);
+    return text;
+}
+
+void note_surface(const Source& source, Cooked& made) {
+    const Soundness& found = source.soundness;
+    if (source.options.two_sided) return;
+    if (found.edges_disputed > 0)
+        made.notes.push_back(in_text("at %.0f edges triangles face opposite ways, and bodies fall through "
+                                     "those that face down (--two-sided makes "
+                                     "walls of all triangles)",
+                                     static_cast<double>(found.edges_disputed)));
+    else if (found.closed() && found.volume < 0)
+        made.notes.emplace_back("the surface is inside out: its triangles face inwards, and what touches it "
+                                "is pushed in (--flip turns them)");
+}
+
+void note_hulls(const Source& source, Cooked& made) {
+    constexpr double density = 1000, mass_min = 0.001; // [kg/m^3], [kg]
+    if (density * made.volume < mass_min)
+        made.notes.push_back(in_text("at 1000 kg/m^3 it has %.2g g; a body of it has 1 g, the least mass of "
+                                     "bodies (--scale enlarges it)",
+                                     1000 * density * made.volume));
+    if (source.options.as == Wanted::convex && made.deviation > made.deviation_aimed &&
+        !source.soundness.closed())
+        made.notes.push_back(in_text("the surface is open at %.0f edges, so its inside is a guess (--as mesh "
+                                     "--two-sided keeps a surface)",
+                                     static_cast<double>(source.soundness.edges_open)));
+}
+
+void add_notes(const Source& source, Cooked& made) {
+    if (made.kind == ShapeKind::mesh) note_surface(source, made);
+    if (made.parts > 0) note_hulls(source, made);
+}
+
 } // namespace
 
 std::size_t Cooked::bytes() const {
@@ -243,14 +316,20 @@ std::size_t Cooked::bytes() const {
 Result<Cooked> cook(const Soup& model, const CookOptions& options) {
     Result<Soup> soup = in_metres(model, options);
     if (!soup) return soup.error();
-    const double allowed = options.deviation.value_or(0.01 * bounds_of(soup->vertices).largest());
+    const bool is_of_hulls = options.as == Wanted::hull || options.as == Wanted::convex;
+    const double extent = bounds_of(soup->vertices).largest();
+    const double aimed = options.deviation.value_or(deviation_share_aimed * extent);
+    const double allowed = options.deviation || !is_of_hulls ? aimed : deviation_share_max * extent;
     Surface surface(*soup);
-    const Source source{options, std::move(*soup), allowed, std::move(surface)};
+    const Soundness soundness = soundness_of(*soup);
+    const Source source{options, std::move(*soup), soundness, aimed, allowed, std::move(surface)};
     Result<Cooked> cooked = cook_kind(source);
     if (!cooked) return cooked;
+    cooked->deviation_aimed = aimed;
     cooked->deviation_max = allowed;
     cooked->source_vertices = source.soup.vertices.size();
     cooked->source_triangles = source.soup.triangles.size();
+    add_notes(source, *cooked);
     return cooked;
 }
 

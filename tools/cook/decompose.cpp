@@ -1,18 +1,40 @@
 #include "cook/decompose.h"
 
+#include "cook/soundness.h"
+
+#include <iterator>
 #include <map>
+#include <memory>
+#include <numeric>
 #include <optional>
+#include <tuple>
 
 namespace lockstone::cook {
 namespace {
 
 using Corners = std::array<Point, 3>;
 
+constexpr std::size_t samples_per_hull = 160;
+
+/// One of the solids that the surface encloses. Cuts are chosen by few triangles, parts are made of all.
+struct Solid {
+    Solid(const Soup& whole, std::size_t triangles_max)
+        : soup(whole), coarse(coarsened(whole, triangles_max)), surface(whole) {
+        if (!convex_hull(coarse.vertices)) coarse = soup; // flat where the model is not
+    }
+    Soup soup, coarse;
+    Surface surface;
+};
+
 struct Piece {
+    const Solid* of;
     Box cell;
-    std::vector<Corners> clipped;
-    std::optional<Convex> hull; ///< none: flat or empty, nothing to collide with
-    double beyond = 0;          ///< `excess` of the hull
+    std::vector<Corners> clipped{};
+    std::optional<Convex> hull{}; ///< none: flat or empty, nothing to collide with
+    double beyond = 0;            ///< `excess` of the hull
+    /// Triangles of the solid that may reach into the cell.
+    std::shared_ptr<const std::vector<std::uint32_t>> candidates{};
+    bool is_refined = false; ///< the hull is that of all triangles
 };
 
 /// The plane at `at` across `axis`.
@@ -48,28 +70,77 @@ Point corner_of(const Box& box, unsigned bits) {
             (bits & 4u) != 0 ? box.upper.z : box.lower.z};
 }
 
-void make_hull(Piece& piece, const Surface& solid) {
+void make_hull(Piece& piece) {
     std::vector<Point> points;
     for (const Corners& t : piece.clipped) points.insert(points.end(), t.begin(), t.end());
     // Asked a little within the cell: corners often lie on the surface, with the solid on the cell's side or not.
     const Point middle = (piece.cell.lower + piece.cell.upper) * 0.5;
     for (unsigned bits = 0; bits < 8; ++bits)
-        if (const Point p = corner_of(piece.cell, bits); solid.contains(p + (middle - p) * 1e-3))
+        if (const Point p = corner_of(piece.cell, bits); piece.of->surface.contains(p + (middle - p) * 1e-3))
             points.push_back(p);
     const auto key = [](Point p) { return std::array<double, 3>{p.x, p.y, p.z}; };
     std::sort(points.begin(), points.end(), [&](Point a, Point b) { return key(a) < key(b); });
     points.erase(std::unique(points.begin(), points.end()), points.end());
-    Result<Convex> hull = convex_hull(points);
-    if (hull) piece.hull = std::move(*hull);
+    piece.hull.reset();
+    if (Result<Convex> hull = convex_hull(points)) piece.hull = std::move(*hull);
 }
 
-Piece side_of(const Piece& piece, Cut cut, bool above, const Surface& solid) {
-    Piece side;
-    side.cell = piece.cell;
+Piece side_of(const Piece& piece, Cut cut, bool above) {
+    Piece side{.of = piece.of, .cell = piece.cell, .candidates = piece.candidates};
     (above ? side.cell.lower : side.cell.upper)[cut.axis] = cut.at;
     for (const Corners& t : piece.clipped) clip(t, cut, above, side.clipped);
-    make_hull(side, solid);
+    make_hull(side);
     return side;
+}
+
+/// The part of a triangle within a box, as triangles.
+std::vector<Corners> within(const Corners& triangle, const Box& cell) {
+    Box box;
+    for (const Point& p : triangle) box.add(p);
+    for (int axis = 0; axis < 3; ++axis)
+        if (box.lower[axis] > cell.upper[axis] || box.upper[axis] < cell.lower[axis]) return {};
+    std::vector<Corners> inside{triangle}, next;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const bool above : {true, false}) {
+            next.clear();
+            const Cut cut{axis, (above ? cell.lower : cell.upper)[axis]};
+            for (const Corners& t : inside) clip(t, cut, above, next);
+            inside.swap(next);
+        }
+    return inside;
+}
+
+std::vector<Corners> coarsened(const std::vector<Corners>& triangles, std::size_t count_max) {
+    if (triangles.size() <= count_max) return triangles;
+    Soup soup;
+    for (const Corners& t : triangles) {
+        const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+        soup.vertices.insert(soup.vertices.end(), t.begin(), t.end());
+        soup.triangles.push_back({first, first + 1, first + 2});
+    }
+    soup = coarsened(compacted(welded(soup)), count_max);
+    std::vector<Corners> out;
+    for (std::size_t i = 0; i < soup.triangles.size(); ++i) out.push_back(soup.corners(i));
+    return out;
+}
+
+/// The hull of all triangles of the solid within the piece's cell; false when it is that already. Few of those triangles are kept for more cuts.
+bool refine(Piece& piece) {
+    constexpr std::size_t triangles_kept = 300;
+    const Solid& of = *piece.of;
+    if (piece.is_refined || of.coarse.triangles.size() == of.soup.triangles.size()) return false;
+    std::vector<std::uint32_t> found;
+    piece.clipped.clear();
+    for (const std::uint32_t i : *piece.candidates) {
+        const std::vector<Corners> inside = within(of.soup.corners(i), piece.cell);
+        if (!inside.empty()) found.push_back(i);
+        piece.clipped.insert(piece.clipped.end(), inside.begin(), inside.end());
+    }
+    piece.candidates = std::make_shared<const std::vector<std::uint32_t>>(std::move(found));
+    piece.is_refined = true;
+    make_hull(piece);
+    piece.clipped = coarsened(piece.clipped, triangles_kept);
+    return true;
 }
 
 // ---- where to cut ---------------------------------------------------------------------------------------------
@@ -162,7 +233,10 @@ std::vector<Cut> candidates(const Piece& piece, const std::vector<Edge>& edges, 
 
 /// Whether some of the piece's surface lies deeper in its hull than `limit`.
 bool is_concave(const Piece& piece, double limit) {
-    for (const Corners& t : piece.clipped) {
+    constexpr std::size_t asked_max = 150;
+    const std::size_t step = 1 + piece.clipped.size() / asked_max;
+    for (std::size_t i = 0; i < piece.clipped.size(); i += step) {
+        const Corners& t = piece.clipped[i];
         for (const Point& p : t)
             if (piece.hull->beyond(p) < -limit) return true;
         if (piece.hull->beyond((t[0] + t[1] + t[2]) * (1.0 / 3)) < -limit) return true;
@@ -176,59 +250,173 @@ double cost(const Piece& side, double limit) {
     return side.hull->volume * (is_concave(side, limit) ? 2 : 1);
 }
 
-std::optional<std::pair<Piece, Piece>> best_cut(const Piece& piece, const std::vector<Edge>& edges,
-                                                const Surface& solid, const DecomposeOptions& options) {
-    std::optional<std::pair<Piece, Piece>> best;
-    double best_cost = 1e300;
+struct Sides {
+    Piece below, above;
+    double cost;
+};
+
+/// How far the hulls of both sides reach beyond the solid.
+double beyond_of(Sides& sides, const Surface& solid) {
+    double most = 0;
+    for (Piece* side : {&sides.below, &sides.above})
+        if (side->hull) most = std::max(most, side->beyond = excess(*side->hull, solid, samples_per_hull));
+    return most;
+}
+
+/// The cut whose hulls reach least beyond the solid, among those that leave the least volume to hulls.
+std::optional<Sides> best_cut(const Piece& piece, const std::vector<Edge>& edges, const Surface& solid,
+                              const DecomposeOptions& options) {
+    constexpr std::size_t measured = 4;
+    std::vector<Sides> best;
     for (const Cut cut : candidates(piece, edges, options.width_min)) {
-        std::pair<Piece, Piece> sides{side_of(piece, cut, false, solid), side_of(piece, cut, true, solid)};
-        const double now = cost(sides.first, options.deviation) + cost(sides.second, options.deviation);
-        if (now >= best_cost * (1 - 1e-9)) continue;
-        best_cost = now;
-        best = std::move(sides);
+        Sides sides{side_of(piece, cut, false), side_of(piece, cut, true), 0};
+        sides.cost = cost(sides.below, options.deviation) + cost(sides.above, options.deviation);
+        if (best.size() == measured && sides.cost >= best.back().cost * (1 - 1e-9)) continue;
+        if (best.size() == measured) best.pop_back();
+        best.push_back(std::move(sides));
+        std::stable_sort(best.begin(), best.end(),
+                         [](auto& a, auto& b) { return a.cost * (1 + 1e-9) < b.cost; });
     }
-    return best;
+    if (best.empty()) return std::nullopt;
+    std::size_t chosen = 0;
+    double least = 1e300;
+    for (std::size_t i = 0; i < best.size(); ++i)
+        // A cut that leaves more volume must be nearer by as much.
+        if (const double now = beyond_of(best[i], solid) * best[i].cost; now < least * (1 - 1e-9))
+            least = now, chosen = i;
+    return std::move(best[chosen]);
 }
 
 // ---- joining --------------------------------------------------------------------------------------------------
 
-constexpr std::size_t samples_per_hull = 160;
+/// Joins parts two by two. What two parts make together is computed once.
+class Joiner {
+  public:
+    Joiner(std::vector<Convex> from, const Surface& of, double allowed) : solid(of), deviation(allowed) {
+        for (Convex& part : from) parts.push_back(part_of(std::move(part)));
+    }
 
-/// Joins the first two parts that together are still near enough to the solid; false when there are none.
-bool join_two(std::vector<Convex>& parts, const Surface& solid, double deviation) {
-    for (std::size_t i = 0; i < parts.size(); ++i)
-        for (std::size_t j = i + 1; j < parts.size(); ++j) {
-            std::vector<Point> points = parts[i].surface.vertices;
-            points.insert(points.end(), parts[j].surface.vertices.begin(), parts[j].surface.vertices.end());
-            Result<Convex> both = convex_hull(points);
-            if (!both || both->volume > 1.1 * (parts[i].volume + parts[j].volume)) continue;
-            if (excess(*both, solid, 2 * samples_per_hull) > deviation) continue;
-            parts[i] = std::move(*both);
-            parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(j));
-            return true;
+    /// Joins the first two parts that together are still near enough to the solid; false when there are none.
+    bool join_two() {
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            for (std::size_t j = i + 1; j < parts.size(); ++j) {
+                if (!are_near(i, j)) continue;
+                Together& both = together(i, j);
+                if (!both.hull || both.hull->volume > 1.1 * (parts[i].hull.volume + parts[j].hull.volume))
+                    continue;
+                if (beyond_of(both) > deviation) continue;
+                replace(i, j, std::move(*both.hull));
+                return true;
+            }
+        return false;
+    }
+
+    /// Joins the pair that reaches least beyond the solid, among those whose common hull adds the least volume; false when no two have one.
+    bool join_cheapest() {
+        constexpr std::size_t measured = 60;
+        std::vector<std::tuple<double, std::size_t, std::size_t>> pairs; // added volume, first, second
+        for (const bool any : {false, true})
+            for (std::size_t i = 0; i < parts.size() && (!any || pairs.empty()); ++i)
+                for (std::size_t j = i + 1; j < parts.size(); ++j) {
+                    if (!any && !are_near(i, j)) continue;
+                    if (const Together& both = together(i, j); both.hull)
+                        pairs.emplace_back(both.hull->volume - parts[i].hull.volume - parts[j].hull.volume, i,
+                                           j);
+                }
+        if (pairs.empty()) return false;
+        std::sort(pairs.begin(), pairs.end());
+        pairs.resize(std::min(pairs.size(), measured));
+        double least = 1e300;
+        std::size_t first = 0, second = 0;
+        for (const auto& [added, i, j] : pairs)
+            if (const double beyond = beyond_of(together(i, j)); beyond < least)
+                least = beyond, first = i, second = j;
+        replace(first, second, std::move(*together(first, second).hull));
+        return true;
+    }
+
+    std::size_t size() const { return parts.size(); }
+    std::vector<Convex> take() && {
+        std::vector<Convex> out;
+        for (Part& part : parts) out.push_back(std::move(part.hull));
+        return out;
+    }
+
+  private:
+    struct Part {
+        std::uint32_t id;
+        Box box;
+        Convex hull;
+    };
+    struct Together {
+        std::optional<Convex> hull;
+        std::optional<double> beyond; ///< `excess` of the hull
+    };
+
+    Part part_of(Convex hull) {
+        const Box box = bounds_of(hull.surface.vertices);
+        return {next_id++, box, std::move(hull)};
+    }
+    Together& together(std::size_t i, std::size_t j) {
+        const auto [at, is_new] = made.try_emplace(std::pair(parts[i].id, parts[j].id));
+        if (!is_new) return at->second;
+        std::vector<Point> points = parts[i].hull.surface.vertices;
+        const std::vector<Point>& more = parts[j].hull.surface.vertices;
+        points.insert(points.end(), more.begin(), more.end());
+        if (Result<Convex> hull = convex_hull(points)) at->second.hull = std::move(*hull);
+        return at->second;
+    }
+    /// Parts whose boxes are no farther apart than a common hull may reach beyond the solid.
+    bool are_near(std::size_t i, std::size_t j) const {
+        for (int axis = 0; axis < 3; ++axis) {
+            const double gap = std::max(parts[i].box.lower[axis] - parts[j].box.upper[axis],
+                                        parts[j].box.lower[axis] - parts[i].box.upper[axis]);
+            if (gap > 2 * deviation) return false;
         }
-    return false;
+        return true;
+    }
+    double beyond_of(Together& both) const {
+        if (!both.beyond) both.beyond = excess(*both.hull, solid, 2 * samples_per_hull);
+        return *both.beyond;
+    }
+    void replace(std::size_t i, std::size_t j, Convex hull) {
+        parts[i] = part_of(std::move(hull));
+        parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(j));
+    }
+
+    const Surface& solid;
+    double deviation;
+    std::uint32_t next_id = 0;
+    std::vector<Part> parts;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Together> made;
+};
+
+// ---- cutting --------------------------------------------------------------------------------------------------
+
+/// One soup for each solid where the surface has a few of them; else the whole surface.
+std::vector<Soup> solids_of(const Soup& soup, std::size_t count_max) {
+    std::vector<Soup> solids = components_of(soup);
+    if (solids.size() > count_max) return {soup};
+    for (const Soup& solid : solids)
+        if (!soundness_of(solid).sound()) return {soup}; // open, or a hole in another one
+    return solids;
 }
 
-/// Joins the two parts whose common hull adds the least volume.
-bool join_cheapest(std::vector<Convex>& parts) {
-    double least = 1e300;
-    std::size_t first = 0, second = 0;
-    std::optional<Convex> joined;
-    for (std::size_t i = 0; i < parts.size(); ++i)
-        for (std::size_t j = i + 1; j < parts.size(); ++j) {
-            std::vector<Point> points = parts[i].surface.vertices;
-            points.insert(points.end(), parts[j].surface.vertices.begin(), parts[j].surface.vertices.end());
-            Result<Convex> both = convex_hull(points);
-            if (!both || both->volume - parts[i].volume - parts[j].volume >= least) continue;
-            least = both->volume - parts[i].volume - parts[j].volume;
-            first = i, second = j;
-            joined = std::move(*both);
-        }
-    if (!joined) return false;
-    parts[first] = std::move(*joined);
-    parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(second));
-    return true;
+/// A hull spans what is concave with its largest facets.
+constexpr std::size_t facets_asked_max = 200;
+
+std::vector<std::size_t> largest_triangles(const Soup& soup, std::size_t count) {
+    std::vector<std::pair<double, std::size_t>> areas; // negative
+    for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+        const auto [a, b, c] = soup.corners(i);
+        areas.emplace_back(-length(cross(b - a, c - a)), i);
+    }
+    count = std::min(count, areas.size());
+    std::partial_sort(areas.begin(), areas.begin() + static_cast<std::ptrdiff_t>(count), areas.end());
+    std::vector<std::size_t> out;
+    for (std::size_t i = 0; i < count; ++i) out.push_back(areas[i].second);
+    std::sort(out.begin(), out.end());
+    return out;
 }
 
 } // namespace
@@ -239,7 +427,7 @@ double excess(const Convex& hull, const Surface& solid, std::size_t samples) {
         // Near the surface `contains` may go either way; there the distance is as good as none.
         if (!solid.contains(p)) most = std::max(most, solid.distance(p));
     };
-    for (std::size_t i = 0; i < hull.surface.triangles.size(); ++i) {
+    for (const std::size_t i : largest_triangles(hull.surface, facets_asked_max)) {
         const auto [a, b, c] = hull.surface.corners(i);
         ask((a + b + c) * (1.0 / 3));
         ask((a + b) * 0.5);
@@ -247,6 +435,7 @@ double excess(const Convex& hull, const Surface& solid, std::size_t samples) {
         ask((c + a) * 0.5);
     }
     for (const Point& p : sample_surface(hull.surface, samples)) ask(p);
+    for (const Point& p : points_between(hull, solid, most)) ask(p);
     const Box box = bounds_of(hull.surface.vertices);
     for (std::uint64_t i = 0; i < samples; ++i) {
         const Point u = even_point(i), size = box.size();
@@ -256,38 +445,122 @@ double excess(const Convex& hull, const Surface& solid, std::size_t samples) {
     return most;
 }
 
-Result<std::vector<Convex>> decompose(const Soup& soup, const Surface& solid,
-                                      const DecomposeOptions& options) {
-    const std::vector<Edge> edges = concave_edges(soup);
-    std::vector<Piece> pieces(1);
-    pieces[0].cell = bounds_of(soup.vertices);
-    for (std::size_t i = 0; i < soup.triangles.size(); ++i) pieces[0].clipped.push_back(soup.corners(i));
-    const Result<Convex> whole = convex_hull(soup.vertices);
-    if (!whole) return whole.error();
-    pieces[0].hull = *whole;
-    pieces[0].beyond = excess(*whole, solid, samples_per_hull);
-    std::vector<Convex> done;
-    // Joining brings the number down again, so some more are allowed meanwhile.
-    const std::size_t meanwhile = options.parts_max == 1 ? 1 : options.parts_max + 1 + options.parts_max / 4;
-    while (!pieces.empty() && pieces.size() + done.size() < meanwhile) {
-        const auto worst = std::max_element(pieces.begin(), pieces.end(),
-                                            [](auto& a, auto& b) { return a.beyond < b.beyond; });
-        if (worst->beyond <= options.deviation) break;
-        std::optional<std::pair<Piece, Piece>> sides = best_cut(*worst, edges, solid, options);
-        if (!sides) done.push_back(*worst->hull);
-        pieces.erase(worst);
-        if (!sides) continue;
-        for (Piece* side : {&sides->first, &sides->second}) {
-            if (!side->hull) continue;
-            side->beyond = excess(*side->hull, solid, samples_per_hull);
-            pieces.push_back(std::move(*side));
+std::vector<Point> points_between(const Convex& hull, const Surface& solid, double distance) {
+    std::vector<Point> out;
+    const Box box = bounds_of(hull.surface.vertices);
+    for (const SurfacePoint& point : solid.spread()) {
+        bool is_within = true;
+        for (int axis = 0; axis < 3; ++axis)
+            is_within = is_within && point.at[axis] >= box.lower[axis] && point.at[axis] <= box.upper[axis];
+        if (!is_within || hull.beyond(point.at) > -distance) continue;
+        for (const double side : {1.0, -1.0}) {
+            const Point way = point.normal * side;
+            double far = hull.way_out(point.at, way);
+            for (int halved = 0; halved < 6 && far > distance; ++halved, far /= 2)
+                out.push_back(point.at + way * far);
         }
     }
-    for (Piece& piece : pieces) done.push_back(std::move(*piece.hull));
-    while (join_two(done, solid, options.deviation)) {}
-    while (done.size() > options.parts_max && join_cheapest(done)) {}
-    if (done.empty()) return Error{"the model has no volume"};
-    return done;
+    return out;
+}
+
+namespace {
+
+/// Cuts pieces: first by few triangles of each solid, then by few of each piece.
+class Cutter {
+  public:
+    Cutter(const Soup& soup, const Surface& of, const DecomposeOptions& wanted)
+        : surface(of), options(wanted) {
+        for (const Soup& part : solids_of(soup, options.parts_max)) {
+            const std::size_t share =
+                200 + triangles_searched * part.triangles.size() / soup.triangles.size();
+            solids.push_back(std::make_unique<Solid>(part, share));
+            const Solid& solid = *solids.back();
+            std::vector<std::uint32_t> all(part.triangles.size());
+            std::iota(all.begin(), all.end(), 0u);
+            Piece piece{.of = &solid,
+                        .cell = bounds_of(part.vertices),
+                        .candidates = std::make_shared<const std::vector<std::uint32_t>>(std::move(all))};
+            for (std::size_t i = 0; i < solid.coarse.triangles.size(); ++i)
+                piece.clipped.push_back(solid.coarse.corners(i));
+            edges[&solid] = concave_edges(solid.coarse);
+            make_hull(piece);
+            measure(piece);
+            pieces.push_back(std::move(piece));
+        }
+    }
+
+    /// Cuts the piece that reaches farthest beyond the solid until there are so many or all are near enough.
+    void cut(std::size_t count) {
+        while (!pieces.empty() && pieces.size() + whole.size() < count) {
+            const auto worst = std::max_element(pieces.begin(), pieces.end(),
+                                                [](auto& a, auto& b) { return a.beyond < b.beyond; });
+            if (worst->beyond <= options.deviation) break;
+            std::optional<Sides> sides = best_cut(*worst, edges[worst->of], surface, options);
+            if (!sides) whole.push_back(std::move(*worst));
+            pieces.erase(worst);
+            if (!sides) continue;
+            for (Piece* side : {&sides->below, &sides->above})
+                (side->hull ? pieces : flat).push_back(std::move(*side));
+        }
+    }
+
+    /// Makes the pieces of all triangles.
+    void refine_all() {
+        std::vector<Piece> before;
+        for (std::vector<Piece>* some : {&pieces, &whole, &flat}) {
+            std::move(some->begin(), some->end(), std::back_inserter(before));
+            some->clear();
+        }
+        for (Piece& piece : before) {
+            if (refine(piece)) measure(piece);
+            if (piece.hull) pieces.push_back(std::move(piece));
+        }
+        for (const auto& solid : solids) edges[solid.get()] = concave_edges(solid->soup);
+    }
+
+    std::vector<Convex> take() && {
+        std::vector<Convex> out;
+        for (std::vector<Piece>* some : {&pieces, &whole})
+            for (Piece& piece : *some) out.push_back(std::move(*piece.hull));
+        return out;
+    }
+
+  private:
+    static constexpr std::size_t triangles_searched =
+        3'000; // more of them take more time and move the first cuts little
+
+    void measure(Piece& piece) const {
+        if (piece.hull) piece.beyond = excess(*piece.hull, surface, samples_per_hull);
+    }
+
+    const Surface& surface;
+    const DecomposeOptions& options;
+    std::vector<std::unique_ptr<Solid>> solids;
+    std::map<const Solid*, std::vector<Edge>> edges;
+    std::vector<Piece> pieces;
+    std::vector<Piece> whole; ///< no plane cuts them
+    std::vector<Piece> flat;  ///< of few triangles, and maybe not of all
+};
+
+} // namespace
+
+Result<std::vector<Convex>> decompose(const Soup& soup, const Surface& solid,
+                                      const DecomposeOptions& options) {
+    if (const Result<Convex> whole = convex_hull(soup.vertices); !whole) return whole.error();
+    Cutter cutter(soup, solid, options);
+    cutter.cut(options.parts_max);
+    cutter.refine_all();
+    // Joining brings the number down again, so some more are allowed meanwhile. All triangles show after each round what few left out.
+    constexpr std::size_t rounds = 6;
+    for (std::size_t round = 1; round <= rounds && options.parts_max > 1; ++round) {
+        cutter.cut(options.parts_max + (options.parts_max + 1) * round / rounds);
+        cutter.refine_all();
+    }
+    Joiner joiner(std::move(cutter).take(), solid, options.deviation);
+    while (joiner.join_two()) {}
+    while (joiner.size() > options.parts_max && joiner.join_cheapest()) {}
+    if (joiner.size() == 0) return Error{"the model has no volume"};
+    return std::move(joiner).take();
 }
 
 } // namespace lockstone::cook

@@ -32,4 +32,8 @@ Result<std::vector<Convex>> decompose(const Soup& solid, const Surface& surface,
 /// that are outside of the solid [m].
 double excess(const Convex& hull, const Surface& solid, std::size_t samples);
 
+/// Points of the hull on the normals of the solid's surface: where the hull ends, halfway to there, and so on. What lies farthest beyond the solid is
+/// near such points. Those that are no more than `distance` from the surface are left out.
+std::vector<Point> points_between(const Convex& hull, const Surface& solid, double distance);
+
 } // namespace lockstone::cook

@@ -1,5 +1,7 @@
 #include "cook/deviation.h"
 
+#include "cook/decompose.h"
+
 namespace lockstone::cook {
 namespace {
 
@@ -98,6 +100,7 @@ Result<Deviation> deviation_of_solids(const Soup& source, const Surface& surface
     const std::size_t each = std::max(samples / 25, samples / parts.size());
     for (const Convex& part : parts) {
         for (const Point& p : part.surface.vertices) ask(p);
+        for (const Point& p : points_between(part, surface, back.distance)) ask(p);
         for (const Point& p : sample_surface(part.surface, each)) ask(p);
         const Box box = bounds_of(part.surface.vertices);
         for (std::uint64_t i = 0; i < each; ++i) {

@@ -1,7 +1,7 @@
 #include "cook/import.h"
 
 #include "cook/memory_limit.h"
-#include "cook/read_model.h"
+#include "cook/read/read_model.h"
 
 #include <sys/resource.h>
 #include <sys/select.h>

@@ -87,14 +87,14 @@ Point even_point(std::uint64_t index) {
     return {wrap(0.5 + n / g), wrap(0.5 + n / (g * g)), wrap(0.5 + n / (g * g * g))};
 }
 
-std::vector<Point> sample_surface(const Soup& soup, std::size_t count) {
+std::vector<SurfacePoint> sample_surface_points(const Soup& soup, std::size_t count) {
     std::vector<double> until; // area of all triangles up to and with this one
     double area = 0;
     for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
         const auto [a, b, c] = soup.corners(i);
         until.push_back(area += 0.5 * length(cross(b - a, c - a)));
     }
-    std::vector<Point> out;
+    std::vector<SurfacePoint> out;
     if (area <= 0) return out;
     for (std::uint64_t i = 0; i < count; ++i) {
         Point u = even_point(i);
@@ -102,8 +102,16 @@ std::vector<Point> sample_surface(const Soup& soup, std::size_t count) {
         const auto t = std::min(static_cast<std::size_t>(at - until.begin()), soup.triangles.size() - 1);
         const auto [a, b, c] = soup.corners(t);
         if (u.y + u.z > 1) u.y = 1 - u.y, u.z = 1 - u.z;
-        out.push_back(a + (b - a) * u.y + (c - a) * u.z);
+        const Point normal = cross(b - a, c - a);
+        const double size = length(normal);
+        out.push_back({a + (b - a) * u.y + (c - a) * u.z, size > 0 ? normal * (1 / size) : Point{}});
     }
+    return out;
+}
+
+std::vector<Point> sample_surface(const Soup& soup, std::size_t count) {
+    std::vector<Point> out;
+    for (const SurfacePoint& point : sample_surface_points(soup, count)) out.push_back(point.at);
     return out;
 }
 

@@ -70,7 +70,12 @@ Soup welded(const Soup& soup);
 /// Without the vertices that no triangle names.
 Soup compacted(const Soup& soup);
 
+struct SurfacePoint {
+    Point at, normal; ///< normal: of length 1, to the side from which the triangle is counter-clockwise
+};
 /// `count` points spread evenly over the surface: the same for the same soup. None when there is no area.
+std::vector<SurfacePoint> sample_surface_points(const Soup& soup, std::size_t count);
+/// These points without their normals.
 std::vector<Point> sample_surface(const Soup& soup, std::size_t count);
 /// The `index`-th point of a sequence that fills the unit cube evenly.
 /// Source: Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018.

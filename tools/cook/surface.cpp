@@ -1,5 +1,7 @@
 #include "cook/surface.h"
 
+#include "cook/soundness.h"
+
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
@@ -43,9 +45,12 @@ struct Surface::SecondOpinion {
     fcl::BVHModel<fcl::OBBRSSd> model;
 };
 
+constexpr std::size_t spread_count = 4'000;
+
 Surface::Surface(const Soup& all)
-    : soup(all), box(bounds_of(all.vertices)), grids{make_grid(all, box, 0), make_grid(all, box, 1),
-                                                     make_grid(all, box, 2)} {
+    : soup(all), box(bounds_of(all.vertices)), points(sample_surface_points(all, spread_count)),
+      is_oriented(soundness_of(all).oriented()), grids{make_grid(all, box, 0), make_grid(all, box, 1),
+                                                       make_grid(all, box, 2)} {
     order.resize(soup.triangles.size());
     std::iota(order.begin(), order.end(), 0u);
     make_node(0, static_cast<std::uint32_t>(order.size()));
@@ -154,7 +159,7 @@ Surface::Grid Surface::make_grid(const Soup& soup, const Box& box, int axis) {
     return grid;
 }
 
-/// Calls visit(height along the axis) for every triangle that the line through (u, v) along the axis crosses.
+/// Calls visit(height along the axis, 1 or -1 by the side that the triangle faces) for every triangle that the line through (u, v) along the axis crosses.
 template <class Visit> void Surface::crossings(const Grid& grid, double u, double v, Visit&& visit) const {
     const int ui = (grid.axis + 1) % 3, vi = (grid.axis + 2) % 3;
     if (u < box.lower[ui] || u > box.upper[ui] || v < box.lower[vi] || v > box.upper[vi]) return;
@@ -176,7 +181,8 @@ template <class Visit> void Surface::crossings(const Grid& grid, double u, doubl
         if ((!left && !right) || sum == 0) continue;
         visit((corners[2][grid.axis] * area[0] + corners[0][grid.axis] * area[1] +
                corners[1][grid.axis] * area[2]) /
-              sum);
+                  sum,
+              sum > 0 ? 1 : -1);
     }
 }
 
@@ -186,9 +192,13 @@ bool Surface::contains(Point p) const {
         const int u = (grid.axis + 1) % 3, v = (grid.axis + 2) % 3;
         // Off the round numbers that edges of made models lie on: a ray through an edge would count twice.
         const double du = 1.37e-7 * box.size()[u], dv = 2.11e-7 * box.size()[v];
-        int above = 0;
-        crossings(grid, p[u] + du, p[v] + dv, [&](double at) { above += at > p[grid.axis] ? 1 : 0; });
-        votes += above % 2;
+        int above = 0, turns = 0;
+        crossings(grid, p[u] + du, p[v] + dv, [&](double at, int side) {
+            if (at <= p[grid.axis]) return;
+            ++above;
+            turns += side;
+        });
+        votes += (is_oriented ? turns != 0 : above % 2 != 0) ? 1 : 0;
     }
     return votes >= 2;
 }
@@ -196,7 +206,7 @@ bool Surface::contains(Point p) const {
 bool Surface::top(double x, double z, double& height) const {
     bool any = false;
     // Of the axis y, the other two are z and x in this order.
-    crossings(grids[1], z, x, [&](double at) {
+    crossings(grids[1], z, x, [&](double at, int) {
         height = any ? std::max(height, at) : at;
         any = true;
     });

@@ -18,12 +18,15 @@ class Surface {
     ~Surface();
 
     const Box& bounds() const { return box; }
+    /// Points spread evenly over the surface.
+    const std::vector<SurfacePoint>& spread() const { return points; }
     /// To the nearest triangle [m].
     double distance(Point p) const;
     /// Whether a ball touches a triangle, by FCL: the second opinion on `distance`.
     bool ball_meets(Point centre, double radius) const;
-    /// Whether the point is inside, by counting crossings along the three axes; two of three decide, so that a few
-    /// missing triangles do no harm. Points on the surface may go either way.
+    /// True if the point is inside, by crossings along the three axes; two of three decide, so that a few missing triangles do no harm. Where
+    /// neighbours face the same way, solids may overlap: inside is where the surface winds round the point. Elsewhere the number of crossings is
+    /// odd. Points on the surface may go either way.
     bool contains(Point p) const;
     /// The greatest height of the surface above or below (x, z) of `p`; false when there is none.
     bool top(double x, double z, double& height) const;
@@ -49,6 +52,8 @@ class Surface {
 
     Soup soup;
     Box box;
+    std::vector<SurfacePoint> points;
+    bool is_oriented; ///< no two neighbours face opposite ways
     std::array<Grid, 3> grids;
     std::vector<std::uint32_t> order;
     std::vector<Node> nodes;                       ///< the last is the root

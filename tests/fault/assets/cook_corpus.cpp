@@ -3,7 +3,7 @@
 #include "support/effort.h"
 
 #include "cook/import.h"
-#include "cook/read_model.h"
+#include "cook/read/read_model.h"
 #include "fuzz/cook_input.h"
 #include "lockstone/math/random.h"
 

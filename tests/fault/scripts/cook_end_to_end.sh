@@ -42,6 +42,10 @@ cooked compound 1e-7 bracket.obj --as convex
 cp asset.lsa obj.lsa
 cooked compound 1e-7 bracket.fbx --as convex
 cmp asset.lsa obj.lsa || fail "the same bracket from OBJ and FBX gave other bytes"
+# The same file in centimetres.
+sed 's/UnitScaleFactor", "double", "Number", "", 100/UnitScaleFactor", "double", "Number", "", 1/' "$samples/bracket.fbx" >centimetres.fbx
+expect 0 cook centimetres.fbx -o asset.lsa --as mesh --json
+python3 -c 'import sys; sys.exit(abs(float(sys.argv[1]) - 8e-5) > 1e-9)' "$(value deviation_aimed_m)" || fail "a bracket of 0.8 cm is allowed $(value deviation_aimed_m) m"
 cooked compound 0.005 chair.gltf --as convex --deviation 0.005
 cooked hull 1e-6 gem.stl --as convex
 cooked mesh 1e-7 hill.ply --as mesh
@@ -102,6 +106,8 @@ grep -q 'nowhere/gem.lsa' err || fail "the sentence does not name the output: $(
 refused 2 'empty.obj' empty.obj
 echo 'not a model' >text.gltf
 refused 2 'text.gltf' text.gltf
+printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nl 1 2\nl 2 3\n' >lines.obj
+refused 2 'lines.obj: it has no triangles, only points or lines' lines.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n' >flat.obj
 refused 2 'flat.obj: as hull: ' flat.obj
 printf 'v 0 0 0\nv 1 0 0\nv nan 0 1\nv 0 1 0\nf 1 2 3\nf 1 2 4\n' >nan.obj
