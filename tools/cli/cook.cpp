@@ -42,7 +42,7 @@ void describe(CLI::App& command, Args& args) {
     add_real(command, "--scale", args.options.scale, "metres per unit of the model, default 1", 1e-9, 1e9);
     add_real(command, "--deviation", args.options.deviation,
              "allowed [m]; default: 1 % of the model's largest extent, hull and convex aim for that and may "
-             "take 10 %",
+             "take 20 %",
              0, 1e4);
     add_number(command, "--parts", args.options.parts_max, "convex: at most so many hulls", 1,
                compound_parts_max);

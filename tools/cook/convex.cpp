@@ -139,6 +139,11 @@ double Convex::beyond(Point p) const {
     return most;
 }
 
+bool Convex::holds(Point p, double depth) const {
+    return std::all_of(planes.begin(), planes.end(),
+                       [&](const Plane& plane) { return dot(plane.normal, p) - plane.offset <= -depth; });
+}
+
 double Convex::way_out(Point p, Point direction) const {
     double least = 1e300;
     for (const Plane& plane : planes)
@@ -148,8 +153,7 @@ double Convex::way_out(Point p, Point direction) const {
 }
 
 Result<Convex> convex_hull(std::span<const Point> points) {
-    if (points.size() < 4)
-        return Error{"a hull needs at least 4 points, there are " + std::to_string(points.size())};
+    if (points.size() < 4) return flat_error();
     // About the middle: far from the origin digits would be lost.
     const std::vector<Point> all(points.begin(), points.end());
     const Point shift = middle(all);
@@ -221,15 +225,29 @@ Result<Convex> reduced(const Convex& hull, std::uint32_t corners_max) {
     if (chosen.size() > corners_max) chosen = wide_tetrahedron(corners);
     Result<Convex> now = convex_hull(chosen);
     if (!now) now = convex_hull(chosen = wide_tetrahedron(corners));
+    if (!now) return now;
     const double enough = 1e-9 * bounds_of(corners).largest();
-    while (now.ok() && chosen.size() < corners_max) {
-        double most = enough;
-        const Point* farthest = nullptr;
-        for (const Point& p : corners)
-            if (const double d = now->beyond(p); d > most) most = d, farthest = &p;
-        if (farthest == nullptr) break;
-        chosen.push_back(*farthest);
+    // How far each corner is outside, when that was last computed: a larger hull only brings corners nearer.
+    std::vector<std::pair<double, std::size_t>> outside;
+    for (std::size_t i = 0; i < corners.size(); ++i) outside.emplace_back(now->beyond(corners[i]), i);
+    const auto is_nearer = [](const auto& a, const auto& b) {
+        return a.first < b.first || (a.first == b.first && a.second > b.second);
+    };
+    std::make_heap(outside.begin(), outside.end(), is_nearer);
+    while (chosen.size() < corners_max && !outside.empty()) {
+        std::pop_heap(outside.begin(), outside.end(), is_nearer);
+        auto farthest = outside.back();
+        outside.pop_back();
+        farthest.first = now->beyond(corners[farthest.second]);
+        if (farthest.first <= enough) continue;
+        if (!outside.empty() && is_nearer(farthest, outside.front())) {
+            outside.push_back(farthest);
+            std::push_heap(outside.begin(), outside.end(), is_nearer);
+            continue;
+        }
+        chosen.push_back(corners[farthest.second]);
         now = convex_hull(chosen);
+        if (!now) return now;
     }
     return now;
 }

@@ -20,6 +20,8 @@ struct Convex {
 
     /// How far the point is beyond the plane that it is farthest beyond; negative inside [m].
     double beyond(Point p) const;
+    /// True if the point is inside, and at least so far from every plane.
+    bool holds(Point p, double depth) const;
     /// How far it is from a point inside along a direction of length 1 to where the hull ends [m].
     double way_out(Point p, Point direction) const;
 };

@@ -169,16 +169,20 @@ Result<Cooked> cook_parts(const Source& source, double deviation) {
 /// What the decomposition samples is coarse: when the check finds more deviation, it is asked for less.
 Result<Cooked> cook_convex(const Source& source) {
     if (const Status s = check_reach(source.soup); !s) return s.error();
+    if (Result<Cooked> one = cook_hull(source); one && one->deviation + one->gap <= source.deviation_aimed)
+        return one;
     Result<Cooked> best = cook_parts(source, 0.8 * source.deviation_aimed);
+    constexpr std::size_t triangles_repeated = 20'000;
     for (const double share : {0.5, 0.25}) {
-        if (!best || best->deviation <= source.deviation_aimed || best->parts >= source.options.parts_max)
+        // Decompositions of many parts or triangles take long, and more of them change little.
+        if (!best || best->deviation <= source.deviation_aimed ||
+            source.soup.triangles.size() > triangles_repeated ||
+            2 * (best->parts + best->parts_dropped) > source.options.parts_max)
             break;
         Result<Cooked> next = cook_parts(source, share * source.deviation_aimed);
         if (next && next->deviation < best->deviation) best = std::move(next);
     }
-    if (!best || best->parts != 1 || best->deviation <= source.deviation_aimed) return best;
-    Result<Cooked> one = cook_hull(source); // which may have more corners than a part
-    return one && one->deviation + one->gap < best->deviation ? one : best;
+    return best;
 }
 
 // ---- ground ---------------------------------------------------------------------------------------------------
@@ -293,6 +297,12 @@ void note_hulls(const Source& source, Cooked& made) {
         made.notes.push_back(in_text("at 1000 kg/m^3 it has %.2g g; a body of it has 1 g, the least mass of "
                                      "bodies (--scale enlarges it)",
                                      1000 * density * made.volume));
+    if (!source.options.deviation && made.deviation > made.deviation_aimed)
+        made.notes.push_back(in_text("it deviates by %.2g %% of the model's size, the aim is %.2g %% "
+                                     "(--parts and --vertices follow the model closer, "
+                                     "--deviation bounds it)",
+                                     100 * made.deviation / made.deviation_aimed * deviation_share_aimed,
+                                     100 * deviation_share_aimed));
     if (source.options.as == Wanted::convex && made.deviation > made.deviation_aimed &&
         !source.soundness.closed())
         made.notes.push_back(in_text("the surface is open at %.0f edges, so its inside is a guess (--as mesh "

@@ -29,7 +29,7 @@ struct CookOptions {
 };
 
 /// Where no deviation is given: what cooking aims for, and what is good still of hulls and of convex parts, as shares of the model's largest extent.
-inline constexpr double deviation_share_aimed = 0.01, deviation_share_max = 0.1;
+inline constexpr double deviation_share_aimed = 0.01, deviation_share_max = 0.2;
 
 struct Cooked {
     std::vector<AssetBytes> assets; ///< each after those it names; the last is what was asked for

@@ -440,7 +440,7 @@ double excess(const Convex& hull, const Surface& solid, std::size_t samples) {
     for (std::uint64_t i = 0; i < samples; ++i) {
         const Point u = even_point(i), size = box.size();
         const Point p = box.lower + Point{u.x * size.x, u.y * size.y, u.z * size.z};
-        if (hull.beyond(p) <= 0) ask(p);
+        if (hull.holds(p, 0)) ask(p);
     }
     return most;
 }
@@ -452,7 +452,7 @@ std::vector<Point> points_between(const Convex& hull, const Surface& solid, doub
         bool is_within = true;
         for (int axis = 0; axis < 3; ++axis)
             is_within = is_within && point.at[axis] >= box.lower[axis] && point.at[axis] <= box.upper[axis];
-        if (!is_within || hull.beyond(point.at) > -distance) continue;
+        if (!is_within || !hull.holds(point.at, distance)) continue;
         for (const double side : {1.0, -1.0}) {
             const Point way = point.normal * side;
             double far = hull.way_out(point.at, way);
@@ -515,7 +515,11 @@ class Cutter {
             if (refine(piece)) measure(piece);
             if (piece.hull) pieces.push_back(std::move(piece));
         }
-        for (const auto& solid : solids) edges[solid.get()] = concave_edges(solid->soup);
+        if (is_fine) return;
+        is_fine = true;
+        for (const auto& solid : solids)
+            if (solid->coarse.triangles.size() != solid->soup.triangles.size())
+                edges[solid.get()] = concave_edges(solid->soup);
     }
 
     std::vector<Convex> take() && {
@@ -535,6 +539,7 @@ class Cutter {
 
     const Surface& surface;
     const DecomposeOptions& options;
+    bool is_fine = false; ///< edges are those of all triangles
     std::vector<std::unique_ptr<Solid>> solids;
     std::map<const Solid*, std::vector<Edge>> edges;
     std::vector<Piece> pieces;
@@ -547,7 +552,8 @@ class Cutter {
 Result<std::vector<Convex>> decompose(const Soup& soup, const Surface& solid,
                                       const DecomposeOptions& options) {
     if (const Result<Convex> whole = convex_hull(soup.vertices); !whole) return whole.error();
-    Cutter cutter(soup, solid, options);
+    constexpr std::size_t triangles_cut = 40'000; // the time of more of them is beyond what they add
+    Cutter cutter(coarsened(soup, triangles_cut), solid, options);
     cutter.cut(options.parts_max);
     cutter.refine_all();
     // Joining brings the number down again, so some more are allowed meanwhile. All triangles show after each round what few left out.
@@ -559,7 +565,7 @@ Result<std::vector<Convex>> decompose(const Soup& soup, const Surface& solid,
     Joiner joiner(std::move(cutter).take(), solid, options.deviation);
     while (joiner.join_two()) {}
     while (joiner.size() > options.parts_max && joiner.join_cheapest()) {}
-    if (joiner.size() == 0) return Error{"the model has no volume"};
+    if (joiner.size() == 0) return Error{"the model has no volume (--as mesh --two-sided keeps a surface)"};
     return std::move(joiner).take();
 }
 

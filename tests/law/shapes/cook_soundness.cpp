@@ -119,7 +119,7 @@ TEST_CASE("a ball takes the corners that it needs, and as many as it is given") 
     REQUIRE(few.ok());
     CHECK(few->vertices == 40);
     CHECK(few->deviation > few->deviation_aimed);
-    CHECK(few->good()); // within a tenth of its size
+    CHECK(few->good()); // within a fifth of its size
     const Result<Cooked> parts = cook::cook(soup, {.as = Wanted::convex});
     REQUIRE(parts.ok());
     CHECK(parts->deviation <= parts->deviation_aimed);
