@@ -131,7 +131,8 @@ Surface::Grid Surface::make_grid(const Soup& soup, const Box& box, int axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     Grid grid;
     grid.axis = axis;
-    grid.side = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(soup.triangles.size()))), 1, 512);
+    grid.side =
+        std::clamp(static_cast<int>(2 * std::sqrt(static_cast<double>(soup.triangles.size()))), 1, 1024);
     grid.lower = box.lower;
     for (const int i : {u, v}) grid.cell[i] = std::max(box.size()[i] / grid.side, 1e-300);
     const auto column = [&](double at, int i) {

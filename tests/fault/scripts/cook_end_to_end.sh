@@ -107,7 +107,7 @@ refused 2 'empty.obj' empty.obj
 echo 'not a model' >text.gltf
 refused 2 'text.gltf' text.gltf
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nl 1 2\nl 2 3\n' >lines.obj
-refused 2 'lines.obj: it has no triangles, only points or lines' lines.obj
+refused 2 'lines.obj: it has no triangles; it is empty, or holds only points or lines' lines.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n' >flat.obj
 refused 2 'flat.obj: as hull: ' flat.obj
 printf 'v 0 0 0\nv 1 0 0\nv nan 0 1\nv 0 1 0\nf 1 2 3\nf 1 2 4\n' >nan.obj

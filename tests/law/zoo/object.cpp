@@ -226,6 +226,33 @@ Object draw_any(SplitMix& random) {
     return draw_object(random, size_least, thickness_least);
 }
 
+Object object_of(const AssetBytes& hull, const std::string& about) {
+    Object o;
+    o.assets = floor_library();
+    o.geometry = o.assets->geometry(o.assets->add(hull).value()).value();
+    D3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
+    for (const Vec3& v : triangulate(o.geometry, *o.assets).vertices) {
+        const D3 p = to_double3(v);
+        for (std::size_t i = 0; i < 3; ++i)
+            low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+        o.corners.push_back(p);
+    }
+    const D3 extent{high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+    o.size = *std::max_element(extent.begin(), extent.end());
+    o.thickness = *std::min_element(extent.begin(), extent.end());
+    double nearest = 1e9, farthest = 0; // corners, from the middle
+    for (const D3& c : o.corners) {
+        const double r = std::hypot(c[0] - 0.5 * (low[0] + high[0]), c[1] - 0.5 * (low[1] + high[1]),
+                                    c[2] - 0.5 * (low[2] + high[2]));
+        nearest = std::min(nearest, r), farthest = std::max(farthest, r);
+    }
+    constexpr std::size_t corners_of_ball = 40;
+    o.rolls = o.corners.size() >= corners_of_ball && nearest > 0.9 * farthest;
+    o.flatness = o.size / 4096; // facets within it make one face (src/shapes)
+    o.about = about;
+    return o;
+}
+
 std::string Drop::about() const {
     const D3 v = to_double3(velocity), w = to_double3(spin), at = to_double3(pose.position);
     return "seed " + std::to_string(seed) + ": " + object.about + ", " + in_text("%.4g kg/m^3, ", density) +
@@ -264,6 +291,24 @@ Drop draw_drop(std::uint64_t seed, SplitMix random, Object (*draw)(SplitMix&)) {
         d.spin = vec(spin * about[0], spin * about[1], spin * about[2]);
     }
     return d;
+}
+
+Drop drop_of(const Object& object, Floor floor, std::uint64_t seed) {
+    SplitMix random(seed);
+    Drop drop;
+    drop.seed = seed;
+    drop.object = object;
+    drop.floor = floor;
+    drop.seconds = 60;
+    const Quat turn = any_turn(random);
+    const Rotation axes = to_rotation(turn);
+    double low = 0; // of the turned object
+    for (const D3& c : object.corners)
+        low = std::min(low,
+                       to_double(axes.x.y) * c[0] + to_double(axes.y.y) * c[1] + to_double(axes.z.y) * c[2]);
+    drop.pose = {vec(0, 0.3 - low, 0), turn};
+    drop.def.bodies_max = drop.def.shapes_max = 16, drop.def.contacts_max = 256;
+    return drop;
 }
 
 Drop draw_flat_prism(std::uint64_t seed) {

@@ -53,6 +53,10 @@ Object draw_any(test::SplitMix& random);
 Drop draw_drop(std::uint64_t seed);
 /// With other numbers and objects.
 Drop draw_drop(std::uint64_t seed, test::SplitMix random, Object (*draw)(test::SplitMix&));
+/// An object of a baked hull.
+Object object_of(const AssetBytes& hull, const std::string& about);
+/// The object, turned as the seed says, from 30 cm above the floor; a minute.
+Drop drop_of(const Object& object, Floor floor, std::uint64_t seed);
 /// A prism that falls flat, whose sides differ from planes by up to 2^-13 of its size.
 Drop draw_flat_prism(std::uint64_t seed);
 /// Drops a beam of 10.7 x 15.3 cm onto one of its long edges; it must roll onto a side and sleep.

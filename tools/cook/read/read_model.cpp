@@ -29,7 +29,7 @@ const char* reason_of(const char* words) {
     const auto says = [&](const char* part) {
         return std::string_view(words).find(part) != std::string_view::npos;
     };
-    if (says("No meshes remaining")) return "it has no triangles, only points or lines";
+    if (says("No meshes remaining")) return "it has no triangles; it is empty, or holds only points or lines";
     if (says("all meshes are orphaned")) return "no node of its scene holds triangles";
     return *words == 0 ? "the importer gave no reason" : words;
 }
@@ -111,6 +111,7 @@ Result<Soup> read_model(std::span<const std::byte> bytes, const std::string& ext
     std::istringstream file(text);
     if (const std::optional<Result<Soup>> strips = read_ply_strips(file)) return *strips;
     if (is_off("." + extension)) text = without_comments(text);
+    if (text.empty()) return Error{reason_of("No meshes remaining")};
     Assimp::Importer importer;
     leave_out_lines(importer);
     return soup_of(importer, importer.ReadFileFromMemory(text.data(), text.size(), steps, extension.c_str()));
