@@ -389,7 +389,7 @@ void PlacedShapes::reserve(std::uint32_t shape_slots) {
 
 namespace {
 
-/// At least the length of a vector, and at most an eighth more.
+/// At least the length of a vector and at most an eighth more, within the range of a Speed: margins end far below that.
 std::int64_t length_bound(SpeedVec3 v) {
     const auto size = [](Speed s) { return static_cast<std::int64_t>(magnitude(s.raw)); };
     const std::int64_t x = size(v.x), y = size(v.y), z = size(v.z), widest = std::max(x, std::max(y, z));
