@@ -1,4 +1,4 @@
-// What a world is made with: its definition, the game's own columns; and what it counts.
+// The definition of a world, the game's own columns, and the fault counters.
 #pragma once
 
 #include "lockstone/math/formats.h"
@@ -10,51 +10,57 @@
 
 namespace lockstone {
 
-/// How bodies move between contacts. Order: of the error of position and velocity in the step under smooth fields.
+/// Integration scheme of free motion. Order: that of the global error in the step, under smooth forces.
 enum class Integrator : std::uint32_t {
     semi_implicit_euler, ///< order 1, symplectic, the cheapest
     verlet,              ///< order 2: position Verlet (drift, kick, drift)
     velocity_verlet,     ///< order 2: kick, drift, kick
     runge_kutta_4,       ///< order 4, not symplectic
 };
+/// "semi_implicit_euler"; "unknown" for any other value. Static string.
 const char* name_of(Integrator integrator);
 
+/// Definition of a world. World::create() checks the ranges. Part of the state and of the hash.
 struct WorldDef {
-    std::uint32_t tick_rate = 60;       ///< ticks per second, 1..1000
-    std::uint32_t substeps = 4;         ///< solver steps per tick, 1..16; see precise()
-    Vec3 gravity = {0_r, -9.81_r, 0_r}; ///< [m/s^2], each within 1000
-    Integrator integrator = Integrator::semi_implicit_euler;
-    std::uint32_t bounds_shift =
-        0; ///< 0..8: broad-phase step 2^(shift-16) m, exact within 2^(15+shift) m of the origin
-    // Limits of what there may be at one time, 1..2^20, of fields 1..1024, of characters and vehicles 1..65536. They cost
-    // nothing: a world takes memory as things come. They bound what a file may ask for. They are part of the
-    // definition, and so of the hash; how much memory there is at present is not.
-    std::uint32_t bodies_max = 8192;
-    std::uint32_t shapes_max = 8192;
-    /// Shape pairs that touch or nearly do; several for a shape of many parts. 0: eight for each shape or body that there
-    /// may be, which heaps do not reach. Beyond it pairs are dropped: see EventKind::contacts_dropped.
+    std::uint32_t tick_rate = 60;       ///< ticks per second [1/s], 1..1000
+    std::uint32_t substeps = 4;         ///< solver steps in each tick, 1..16; see precise()
+    Vec3 gravity = {0_r, -9.81_r, 0_r}; ///< [m/s^2], each component within 1000
+    Integrator integrator = Integrator::semi_implicit_euler; ///< integration scheme of free motion
+    /// 0..8. The broad phase has a resolution of 2^(shift-16) m and is exact within 2^(15+shift) m of the
+    /// origin.
+    std::uint32_t bounds_shift = 0;
+    // Limits of the number of objects. A high limit costs no memory, because tables grow with their content.
+    // Limits bound the memory that a file can claim. They are part of the hash; the present capacity is not.
+    std::uint32_t bodies_max = 8192; ///< 1..2^20
+    std::uint32_t shapes_max = 8192; ///< 1..2^20
+    /// Limit of shape pairs that touch or nearly touch, 1..2^20; a shape of several parts counts several
+    /// pairs. 0: eight times the larger of bodies_max and shapes_max, enough for heaps. Pairs beyond the
+    /// limit are dropped: see EventKind::contacts_dropped.
     std::uint32_t contacts_max = 0;
-    std::uint32_t fields_max = 256;
-    std::uint32_t pair_filters_max = 8192; ///< pairs of bodies that were told not to touch
-    std::uint32_t joints_max = 8192;
-    std::uint32_t characters_max = 256;
-    std::uint32_t vehicles_max = 256;
-    std::uint32_t continuous = 1;         ///< 0: fast bodies are not swept and may pass through what is thin
-    std::uint32_t sleeping = 1;           ///< 0: bodies that rest are simulated all the same
-    Real restitution_speed_min = Real(1); ///< [m/s]: slower impacts do not bounce
-    Real contact_hertz = Real(90);        ///< stiffness of contacts, at most 3 / 16 of the substep rate
-    Real contact_damping = Real(10);      ///< damping ratio of contacts
-    /// [m/s]: how fast overlap is pushed out. Of a body that a joint holds, a tenth of it: its joints keep the speed that contacts
-    /// give to it.
+    std::uint32_t fields_max = 256;        ///< 1..1024
+    std::uint32_t pair_filters_max = 8192; ///< body pairs with contacts disabled, 1..2^20
+    std::uint32_t joints_max = 8192;       ///< 1..2^20
+    std::uint32_t characters_max = 256;    ///< 1..65536
+    std::uint32_t vehicles_max = 256;      ///< 1..65536
+    std::uint32_t continuous = 1; ///< 1: continuous collision; 0: fast bodies may pass through thin shapes
+    std::uint32_t sleeping = 1;   ///< 1: islands at rest fall asleep; 0: they are simulated
+    Real restitution_speed_min = Real(1); ///< slower impacts do not bounce [m/s], 0..500
+    /// Stiffness of contacts [Hz], 1..4000. The solver uses at most 3/16 of the substep rate.
+    Real contact_hertz = Real(90);
+    Real contact_damping = Real(10); ///< damping ratio of contacts, 0.1..100
+    /// Maximum speed at which contacts push overlapping bodies apart [m/s], 0..500. A tenth of it for bodies
+    /// with joints, because their joints would keep that speed.
     Real push_speed_max = Real(3);
-    /// [m/s]. A body is at rest while no point of it is faster; or while none is four times as fast, and none is farther
-    /// than sleep_speed * sleep_time from where it was. A body that contacts or joints push to its place is as fast as it moves.
-    /// A body at the surface of a fluid is at rest while no point of it is faster than a 16th.
+    /// Speed limit of a body at rest [m/s], 0..10. A body is at rest while no point of it is faster. It is
+    /// also at rest while no point is four times as fast and none is farther than sleep_speed * sleep_time
+    /// from its place when the rest began. Position correction counts as speed. At the surface of a fluid the
+    /// limit is a 16th.
     Real sleep_speed = 0.03_r;
-    Real sleep_time = 0.5_r; ///< [s]: an island that long at rest falls asleep
-    std::uint64_t seed = 1;  ///< part of the state; the game's random streams start from it
+    Real sleep_time = 0.5_r; ///< an island falls asleep after this time at rest [s], 0..3600
+    std::uint64_t seed = 1;  ///< any value for the game's random streams; part of the state
 
-    /// For towers, heavy loads and long chains: twice the substeps, at less than twice the cost of a tick.
+    /// Defaults with 8 substeps: for towers, heavy loads and long chains. A tick costs less than twice as
+    /// much.
     static WorldDef precise() {
         WorldDef def;
         def.substeps = 8;
@@ -62,6 +68,7 @@ struct WorldDef {
     }
 };
 
+/// Field list of WorldDef with ranges; see lockstone/row.h.
 template <class V> constexpr void describe(WorldDef& d, V&& v) {
     constexpr std::int64_t objects_max = 1 << 20;
     field(v, "tick_rate", d.tick_rate, in(1, 1000));
@@ -88,52 +95,66 @@ template <class V> constexpr void describe(WorldDef& d, V&& v) {
     v("seed", d.seed);
 }
 
-/// How many there may be before a world takes more memory.
+/// Numbers of objects: those that World::reserve() allocates memory for, or that World::capacity() has.
 struct WorldRows {
-    std::uint32_t bodies = 0, shapes = 0, contacts = 0, fields = 0, pair_filters = 0, joints = 0,
-                  characters = 0, vehicles = 0;
+    std::uint32_t bodies = 0, ///< bodies
+        shapes = 0,           ///< shapes
+        contacts = 0,         ///< shape pairs that touch or nearly touch
+        fields = 0,           ///< force fields
+        pair_filters = 0,     ///< disabled body pairs
+        joints = 0,           ///< joints
+        characters = 0,       ///< characters
+        vehicles = 0;         ///< vehicles
 };
 
-/// The game's own columns, in the same block as the engine's: saved, hashed, compared and dumped with them. Names are unique, also among
-/// the engine's ("body.pose"): anything else ends the program. A recording holds at most 256 columns, whose rows have at most 65,536 bytes.
-/// Its columns are for World::read and World::write. State numbers columns otherwise: StateLayout::find_column finds them by name.
+/// The game's own columns. They lie in the state block: World saves, restores, hashes and compares them with
+/// its own. Names must differ from each other and from the engine's ("body.pose"); otherwise the program
+/// ends. A recording holds at most 256 game columns, with rows of at most 65,536 bytes. The returned Column
+/// is for World::read() and World::write() only. State uses other indices: StateLayout::find_column() finds a
+/// column by its name.
 class GameSchema {
   public:
-    /// One row per body, created zero, removed with the body.
+    /// Adds a column with one row for each body. A new body's row is zero.
     template <StateRow T> Column<T> add_body_column(std::string name) {
         return {add({std::move(name), true, sizeof(T), leaves_of<T>()})};
     }
-    /// One row for the whole game: score, phase, random streams.
+    /// Adds a record: one row for the whole game, such as score or random streams. It begins as zero.
     template <StateRow T> Column<T> add_record(std::string name) {
         return {add({std::move(name), false, sizeof(T), leaves_of<T>()})};
     }
+    /// A column or record.
     struct Entry {
-        std::string name; ///< "game.health"
-        bool per_body;
-        std::size_t row_size;
-        std::vector<LeafInfo> leaves;
+        std::string name;             ///< "game.health"
+        bool per_body;                ///< true: a row for each body; false: a record
+        std::size_t row_size;         ///< bytes of a row
+        std::vector<LeafInfo> leaves; ///< numbers of a row, in memory order
     };
+    /// Adds a column and returns its index. A repeated name ends the program.
     std::uint32_t add(Entry entry);
+    /// In order of addition. Valid until the next one.
     std::span<const Entry> entries() const { return list; }
 
   private:
     std::vector<Entry> list;
 };
 
-/// The tables and columns of the state of a world with this definition and these game columns. The result owns the layout. Thread-safe.
+/// The tables and columns of a world's state, for tools that read states without a world. Does not check
+/// `def`. Thread-safe.
 std::shared_ptr<const StateLayout> state_layout_of(const WorldDef& def, const GameSchema& schema);
 
-/// How often a value had to be clamped, since the world was made. Part of the state.
+/// Counts of clamped values and dropped pairs since the world was created. Part of the state.
 struct Faults {
-    std::uint64_t speed_clamped;    ///< a linear or angular velocity met its limit
-    std::uint64_t position_clamped; ///< a position met the end of the documented range (1e9 m)
-    /// Pairs beyond contacts_max; the last in pair order were dropped. Of more than 1024 + 2 contacts_max pairs that are
-    /// near, the last are not looked at, and all of them count as one pair in each tick.
+    std::uint64_t speed_clamped;    ///< a linear or angular velocity reached its limit
+    std::uint64_t position_clamped; ///< a position reached the end of its range, 1e9 m
+    /// Pairs dropped because contacts_max was reached, the last in pair order. Near pairs beyond 1024 + 2
+    /// contacts_max are dropped untested and count as one in each tick.
     std::uint64_t contacts_dropped;
-    std::uint64_t impulse_clamped; ///< a contact impulse met the end of its format
+    std::uint64_t impulse_clamped; ///< a contact impulse reached the end of its format
+    /// All counts are equal.
     friend bool operator==(const Faults&, const Faults&) = default;
 };
 
+/// Field list of Faults; see lockstone/row.h.
 template <class V> constexpr void describe(Faults& f, V&& v) {
     v("speed_clamped", f.speed_clamped), v("position_clamped", f.position_clamped);
     v("contacts_dropped", f.contacts_dropped), v("impulse_clamped", f.impulse_clamped);
