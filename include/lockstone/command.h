@@ -1,7 +1,7 @@
-// Definitions, ids and commands: everything that can change a world from outside.
+// Definitions and commands: everything that can change a world besides a tick and a restore.
 //
-// Every public mutator of World builds one of these commands and hands it to World::apply. A journal attached there
-// sees the whole story of a world; applying the same commands between the same ticks gives the same bits.
+// Every function that changes a World builds one of these commands and passes it to World::apply(). A journal
+// receives all of them. Equal commands between equal ticks give equal bits.
 #pragma once
 
 #include "lockstone/field.h"
@@ -18,262 +18,323 @@
 
 namespace lockstone {
 
+/// Motion of a body.
 enum class BodyKind : std::uint32_t {
-    static_,   ///< never moves but by command; infinite mass
-    kinematic, ///< moves at its velocity, pushed by nothing
-    dynamic,   ///< moves under forces and contacts
+    static_,   ///< moves by set_pose() only; infinite mass
+    kinematic, ///< moves at its velocity; no force or contact changes it
+    dynamic,   ///< moves under forces, contacts and joints
 };
 
-/// Bits of BodyDef::locks: motion along or about a world axis that never happens. Velocity given along or about it is dropped.
+/// Bits of BodyDef::locks: disabled motion along or about a world axis. Velocity along or about it is set to
+/// zero.
 enum AxisLock : std::uint32_t {
-    lock_linear_x = 1,
-    lock_linear_y = 2,
-    lock_linear_z = 4,
-    lock_angular_x = 8,
-    lock_angular_y = 16,
-    lock_angular_z = 32,
-    lock_planar_xy = lock_linear_z | lock_angular_x | lock_angular_y, ///< 2D play in the x-y plane
+    lock_linear_x = 1,                                                ///< no motion along x
+    lock_linear_y = 2,                                                ///< no motion along y
+    lock_linear_z = 4,                                                ///< no motion along z
+    lock_angular_x = 8,                                               ///< no rotation about x
+    lock_angular_y = 16,                                              ///< no rotation about y
+    lock_angular_z = 32,                                              ///< no rotation about z
+    lock_planar_xy = lock_linear_z | lock_angular_x | lock_angular_y, ///< 2D motion in the x-y plane
 };
 
+/// Definition of a body.
 struct BodyDef {
-    BodyKind kind = BodyKind::dynamic;
-    std::uint32_t locks = 0;                ///< AxisLock bits
-    Transform pose = Transform::identity(); ///< of the body's origin [m]
+    BodyKind kind = BodyKind::dynamic;      ///< static, kinematic or dynamic
+    std::uint32_t locks = 0;                ///< AxisLock bits; 0: none
+    Transform pose = Transform::identity(); ///< of the body's origin [m], within 1e9 on each axis
     Vec3 linear_velocity{};                 ///< of the centre of mass [m/s], |v| <= 500
     Vec3 angular_velocity{};                ///< [rad/s], each component within 4095
-    Real linear_damping{};                  ///< [1/s], 0..1000: v decays as exp(-damping t) to first order
-    Real angular_damping{};                 ///< [1/s], 0..1000
-    Real gravity_scale = Real(1);           ///< times the world's gravity, -100..100
-    Real drag_scale = Real(1);              ///< times the drag of fluids, 0..100
-    Real mass{};                            ///< [kg]; 0: from the shapes' densities. 1e-3..1e9
-    std::uint32_t gyroscopic = 1; ///< 0: skip the gyroscopic term (angular velocity kept instead of momentum)
+    /// [1/s], 0..1000: speed decays as exp(-damping t), to first order
+    Real linear_damping{};
+    Real angular_damping{};       ///< [1/s], 0..1000: as linear_damping
+    Real gravity_scale = Real(1); ///< factor of the world's gravity, -100..100
+    Real drag_scale = Real(1);    ///< factor of the drag of fluids, 0..100
+    Real mass{};                  ///< [kg], 1e-3..1e9; 0: from the shapes. 1 kg without shapes
+    /// 1: free rotation keeps angular momentum; 0: it keeps angular velocity (no gyroscopic torque).
+    std::uint32_t gyroscopic = 1;
     std::uint32_t enable_fields = 1; ///< 0: force fields do not act on it
-    /// 1: never passes through dynamic bodies either, and reports each sensor that it crosses within a tick (sensor_begin and sensor_end
-    /// of the same tick). Costs a sweep in each tick in which the body is fast.
+    /// 1: continuous collision against dynamic bodies too, and events for each sensor that it crosses within
+    /// one tick. Costs a sweep in each tick in which the body is fast.
     std::uint32_t bullet = 0;
-    /// 0: a dynamic body starts asleep, without velocity; create_shape, and what is made beside it and does not move, leave it so.
-    /// Other commands wake it, and what comes. Until then it has no contacts: it does not notice that what it stands on goes.
-    /// In a world without sleeping it starts awake.
+    /// 0: a dynamic body starts asleep; its velocity must be zero. create_shape() does not wake it, other
+    /// commands on it and awake bodies that touch it do. Until it has been awake once it has no contacts, so
+    /// it does not react when its support is removed. Ignored if the world has sleeping disabled.
     std::uint32_t awake = 1;
-    std::uint64_t user_key = 0; ///< the game's own; hashed, never read
+    std::uint64_t user_key = 0; ///< value for the game; hashed, not used
 };
 
-/// How a pair's coefficient follows from those of its two shapes. Of two different rules the one further down holds.
-enum class Mix : std::uint32_t { geometric_mean, average, minimum, multiply, maximum };
+/// Rule that combines the coefficients of two shapes. If the two shapes have different rules, the later one
+/// of this list applies.
+enum class Mix : std::uint32_t {
+    geometric_mean, ///< sqrt(a b)
+    average,        ///< (a + b) / 2
+    minimum,        ///< min(a, b)
+    multiply,       ///< a b
+    maximum         ///< max(a, b)
+};
 
-/// Where on a shape something touches it.
+/// The part of a shape that is touched.
 struct SurfacePart {
-    /// Triangle of MeshDef::triangles; cell of a height field, row * (columns - 1) + column; part of a compound; else 0
+    /// Triangle: index into MeshDef::triangles. Height field: cell, row * (columns - 1) + column. Compound:
+    /// part. Other shapes: 0.
     std::uint32_t source;
-    /// Of the triangle or cell; where that is 0, and of other shapes, ShapeDef::material
+    /// Material of the triangle or cell; ShapeDef::material if that is 0 or the shape has neither.
     std::uint32_t material;
+    /// Equal source and material.
     friend bool operator==(const SurfacePart&, const SurfacePart&) = default;
 };
+/// Field list of SurfacePart; see lockstone/row.h.
 template <class V> constexpr void describe(SurfacePart& p, V&& v) {
     v("source", p.source), v("material", p.material);
 }
 
+/// Definition of a shape: geometry, surface and collision filter.
 struct ShapeDef {
-    Geometry geometry = sphere(0.5_r);
-    Transform local = Transform::identity(); ///< the shape's frame in the body's; within 64 m of the origin
-    Real density = Real(1000);               ///< [kg/m^3], 0.01..1e5
+    Geometry geometry = sphere(0.5_r);       ///< kind and size; see lockstone/shape.h
+    Transform local = Transform::identity(); ///< frame in the body's axes [m], within 64 on each axis
+    Real density = Real(1000);               ///< [kg/m^3], 0.01..1e5; a sensor has no mass
     Real friction = 0.6_r;                   ///< Coulomb coefficient, 0..4
-    Real restitution{};                      ///< 0..1
-    /// [m], 0..1: a pair's larger one, times the normal force, is the torque that brakes turning against each other
+    Real restitution{};                      ///< coefficient of restitution, 0..1
+    /// Lever of rolling resistance [m], 0..1. The pair's larger one times the normal force is the maximum
+    /// torque against rolling.
     Real rolling_resistance{};
-    Vec3 surface_velocity{}; ///< of a conveyor's surface, in the shape's axes [m/s], each within 100
-    Mix friction_mix = Mix::geometric_mean;
-    Mix restitution_mix = Mix::maximum;
-    std::uint32_t material = 0;       ///< the game's own name for what it is made of; hashed, never read
-    std::uint32_t category = 1;       ///< bits it is
-    std::uint32_t mask = 0xffffffffu; ///< bits it meets: a pair needs category & mask both ways
-    std::int32_t group = 0;           ///< same group: positive always meet, negative never
-    std::uint32_t sensor = 0;         ///< 1: reports overlaps, touches nothing
-    std::uint32_t one_way =
-        0; ///< 1: stops only what comes from the side of its local +y; the rest passes until it
-           ///< is out again
-    std::uint64_t user_key = 0;
+    /// Velocity of the surface relative to the body [m/s], shape axes, each component within 100: conveyor
+    /// belts.
+    Vec3 surface_velocity{};
+    Mix friction_mix = Mix::geometric_mean; ///< rule for the friction of a pair
+    Mix restitution_mix = Mix::maximum;     ///< rule for the restitution of a pair
+    std::uint32_t material = 0;             ///< material number of the game; in events, hashed, not used
+    std::uint32_t category = 1;             ///< category bits of this shape
+    /// Categories that it collides with. Two shapes collide if each one's mask has a category bit of the
+    /// other.
+    std::uint32_t mask = 0xffffffffu;
+    /// Two shapes with the same group other than 0: positive always collide, negative never. Categories,
+    /// masks and pair filters do not apply to them.
+    std::int32_t group = 0;
+    std::uint32_t sensor = 0; ///< 1: reports overlaps and has no contacts; sensors do not see sensors
+    /// 1: only contacts whose normal is within 60 degrees of the shape's local +y are solid. A shape that
+    /// arrives from another side passes until it no longer touches.
+    std::uint32_t one_way = 0;
+    std::uint64_t user_key = 0; ///< value for the game; hashed, not used
 };
 
-// ---- commands ------------------------------------------------------------------------------------------------
+// ---- commands ---------------------------------------------------------------------------------------------
 
-/// A large definition in memory of its own, so that every command is not as large as the largest. A value all the same: a copy
-/// has another. Reached by * and ->; what was moved from has none until it is assigned to.
+/// A large definition on the heap, so that Command remains small. It behaves as a value: a copy has its own
+/// memory. A moved-from object is empty until it is assigned to; do not dereference it.
 template <class T> class Indirect {
   public:
-    constexpr Indirect() : value(new T{}) {}
-    constexpr Indirect(const T& of) : value(new T(of)) {}
+    constexpr Indirect() : value(new T{}) {}              ///< A default value.
+    constexpr Indirect(const T& of) : value(new T(of)) {} ///< A copy of `of`.
+    /// A copy.
     constexpr Indirect(const Indirect& other) : value(other.value != nullptr ? new T(*other) : nullptr) {}
+    /// Moves; `other` is empty afterwards.
     constexpr Indirect(Indirect&& other) noexcept : value(std::exchange(other.value, nullptr)) {}
+    /// Replaces the value.
     constexpr Indirect& operator=(Indirect other) noexcept {
         std::swap(value, other.value);
         return *this;
     }
     constexpr ~Indirect() { delete value; }
 
-    constexpr T& operator*() { return *value; }
-    constexpr const T& operator*() const { return *value; }
-    constexpr T* operator->() { return value; }
-    constexpr const T* operator->() const { return value; }
+    constexpr T& operator*() { return *value; }             ///< The value.
+    constexpr const T& operator*() const { return *value; } ///< The value.
+    constexpr T* operator->() { return value; }             ///< A member of the value.
+    constexpr const T* operator->() const { return value; } ///< A member of the value.
 
   private:
     T* value;
 };
 
+/// See World::create_body().
 struct CreateBody {
-    BodyDef def;
+    BodyDef def; ///< the body
 };
+/// See World::destroy().
 struct DestroyBody {
-    BodyId body;
+    BodyId body; ///< destroyed with its shapes and joints
 };
+/// See World::create_shape().
 struct CreateShape {
-    BodyId body;
-    ShapeDef def;
+    BodyId body;  ///< gets the shape
+    ShapeDef def; ///< the shape
 };
+/// See World::destroy().
 struct DestroyShape {
-    ShapeId shape;
+    ShapeId shape; ///< destroyed
 };
+/// See World::create_field().
 struct CreateField {
-    FieldDef def;
+    FieldDef def; ///< the force field
 };
+/// See World::destroy().
 struct DestroyField {
-    FieldId field;
+    FieldId field; ///< destroyed
 };
+/// Teleports a body.
 struct SetPose {
-    BodyId body;
-    Transform pose;
+    BodyId body;    ///< changed
+    Transform pose; ///< of its origin [m], within 1e9 on each axis
 };
+/// Sets both velocities of a body.
 struct SetVelocity {
-    BodyId body;
-    Vec3 linear, angular;
+    BodyId body; ///< changed
+    Vec3 linear, ///< of the centre of mass [m/s], at most 500 long
+        angular; ///< [rad/s], each component within 4095
 };
-/// Forces and torques act for the next tick only. Force at the centre of mass [N], torque [N m].
+/// Adds a force and a torque for the next tick only.
 struct AddForce {
-    BodyId body;
-    Vec3 force, torque;
+    BodyId body; ///< pushed
+    Vec3 force,  ///< at the centre of mass [N], each component within 2e9
+        torque;  ///< [N m], each component within 2e9
 };
-/// Force [N] at a world point [m].
+/// Adds a force at a point for the next tick only.
 struct AddForceAt {
-    BodyId body;
-    Vec3 force, point;
+    BodyId body; ///< pushed
+    Vec3 force,  ///< [N], each component within 2e9
+        point;   ///< world [m], within 1e9 on each axis
 };
-/// Linear impulse [N s] at the centre of mass and angular impulse [N m s]: velocity changes at once.
+/// Changes the velocities of a body at once.
 struct AddImpulse {
-    BodyId body;
-    Vec3 linear, angular;
+    BodyId body; ///< pushed
+    Vec3 linear, ///< impulse at the centre of mass [N s], each component within 2e9
+        angular; ///< angular impulse [N m s], each component within 2e9
 };
+/// Changes the velocities of a body at once, by an impulse at a point.
 struct AddImpulseAt {
-    BodyId body;
-    Vec3 impulse, point;
+    BodyId body;  ///< pushed
+    Vec3 impulse, ///< [N s], each component within 2e9
+        point;    ///< world [m], within 1e9 on each axis
 };
-/// A setting of a command that may leave it as it is: what the game does not name does not change.
+/// An optional new value of a setting. Default: the setting keeps its value.
 template <class T> struct Change {
-    using Given = std::conditional_t<sizeof(T) % 8 == 0, std::uint64_t, std::uint32_t>; ///< fills the row
-    T value{};
-    Given given = 0; ///< 1: from now on it is `value`; 0: it stays
+    /// as wide as the row needs
+    using Given = std::conditional_t<sizeof(T) % 8 == 0, std::uint64_t, std::uint32_t>;
+    T value{};       ///< the new value
+    Given given = 0; ///< 1: set to `value`; 0: no change
 
-    constexpr Change() = default;
-    constexpr Change(T to) : value(to), given(1) {}
+    constexpr Change() = default;                   ///< No change.
+    constexpr Change(T to) : value(to), given(1) {} ///< A change to `to`.
+    /// The new value, or `now` without a change.
     constexpr T or_else(T now) const { return given != 0 ? value : now; }
 };
-/// See BodyDef for units and limits.
+/// Changes settings of a body. Units and ranges as in BodyDef.
 struct SetBodyParameters {
-    BodyId body;
-    Change<Real> linear_damping{}, angular_damping{}, gravity_scale{};
-    Change<std::uint32_t> locks{}, gyroscopic{}, bullet{}, enable_fields{};
-    Change<Real> drag_scale{};
+    BodyId body;                   ///< changed
+    Change<Real> linear_damping{}, ///< BodyDef::linear_damping
+        angular_damping{},         ///< BodyDef::angular_damping
+        gravity_scale{};           ///< BodyDef::gravity_scale
+    Change<std::uint32_t> locks{}, ///< BodyDef::locks
+        gyroscopic{},              ///< BodyDef::gyroscopic
+        bullet{},                  ///< BodyDef::bullet
+        enable_fields{};           ///< BodyDef::enable_fields
+    Change<Real> drag_scale{};     ///< BodyDef::drag_scale
 };
-/// See ShapeDef.
+/// Changes the surface of a shape. Units and ranges as in ShapeDef.
 struct SetMaterial {
-    ShapeId shape;
-    Change<Real> friction{}, restitution{}, rolling_resistance{};
-    Change<Vec3> surface_velocity{};
+    ShapeId shape;                   ///< changed
+    Change<Real> friction{},         ///< ShapeDef::friction
+        restitution{},               ///< ShapeDef::restitution
+        rolling_resistance{};        ///< ShapeDef::rolling_resistance
+    Change<Vec3> surface_velocity{}; ///< ShapeDef::surface_velocity
 };
-/// What a shape is and meets; see ShapeDef.
+/// Changes the collision filter of a shape.
 struct SetFilter {
-    ShapeId shape;
-    Change<std::uint32_t> category{}, mask{};
-    Change<std::int32_t> group{};
+    ShapeId shape;                    ///< changed
+    Change<std::uint32_t> category{}, ///< ShapeDef::category
+        mask{};                       ///< ShapeDef::mask
+    Change<std::int32_t> group{};     ///< ShapeDef::group
 };
-/// Whether two bodies may touch at all; 1 is where every pair starts. Ends with either body.
+/// Disables or enables contacts between two bodies. The setting ends when either body is destroyed. Shapes of
+/// the same positive group collide all the same.
 struct SetPairFilter {
-    BodyId a, b;
-    std::uint32_t collide; ///< 0 or 1
+    BodyId a,              ///< one body
+        b;                 ///< the other body, not the same
+    std::uint32_t collide; ///< 0: no contacts; 1: contacts, as at first
 };
-/// Overrides what follows from the shapes, until it is called with a mass of 0. What it does not name is from then on
-/// what it was, whatever becomes of the shapes.
+/// Overrides the mass properties of a dynamic body. Unset fields keep their present value. From then on
+/// changes of the shapes do not affect any of them, until a mass of 0 is set.
 struct SetMass {
-    BodyId body;
-    Change<Real> mass{};      ///< [kg], 1e-3..1e9; 0: all from the shapes again, and the rest is ignored
-    Change<Vec3> center{};    ///< of mass, from the body's origin in its axes [m], within 64
+    BodyId body;              ///< changed
+    Change<Real> mass{};      ///< [kg], 1e-3..1e9; 0: ends the override, other fields are ignored
+    Change<Vec3> center{};    ///< centre of mass in the body's frame [m], within 64 on each axis
     Change<Vec3> gyration{};  ///< principal radii of gyration, sqrt(inertia / mass) [m], 0.001..100
-    Change<Quat> principal{}; ///< turns the body's axes into the principal axes
+    Change<Quat> principal{}; ///< rotation from the body's axes to the principal axes, of unit length
 };
+/// See World::set_gravity().
 struct SetGravity {
-    Vec3 gravity;
+    Vec3 gravity; ///< [m/s^2], each component within 1000
 };
+/// See World::wake_body().
 struct WakeBody {
-    BodyId body;
+    BodyId body; ///< wakes with its island
 };
+/// See World::create_joint().
 struct CreateJoint {
-    Indirect<JointDef> def;
+    Indirect<JointDef> def; ///< the joint
 };
+/// See World::destroy().
 struct DestroyJoint {
-    JointId joint;
+    JointId joint; ///< destroyed
 };
-/// Limits, spring, motor and friction of one axis, anew.
+/// Replaces limits, spring, motor and friction of one axis.
 struct SetJointAxis {
-    JointId joint;
-    std::uint32_t index; ///< JointAxisIndex
-    std::uint32_t reserved;
-    JointAxis axis;
+    JointId joint;          ///< changed
+    std::uint32_t index;    ///< JointAxisIndex, 0..5
+    std::uint32_t reserved; ///< 0
+    JointAxis axis;         ///< the new axis
 };
-/// Where a joint holds its bodies: moves a mouse joint's target, turns a motor joint's.
+/// Replaces both frames of a joint: moves the target of a mouse joint or of a motor joint.
 struct SetJointFrames {
-    JointId joint;
-    Transform frame_a, frame_b; ///< as in JointDef
+    JointId joint;     ///< changed
+    Transform frame_a, ///< JointDef::frame_a
+        frame_b;       ///< JointDef::frame_b
 };
+/// See World::create_vehicle().
 struct CreateVehicle {
-    Indirect<VehicleDef> def;
+    Indirect<VehicleDef> def; ///< the vehicle
 };
+/// See World::destroy().
 struct DestroyVehicle {
-    VehicleId vehicle;
+    VehicleId vehicle; ///< destroyed; its chassis remains
 };
+/// Sets the input of a vehicle until the next such command.
 struct SetVehicleInput {
-    VehicleId vehicle;
-    VehicleInput input;
+    VehicleId vehicle;  ///< driven
+    VehicleInput input; ///< for all later ticks
 };
-/// Makes its body and its shape too.
+/// Creates a character with its body and shape.
 struct CreateCharacter {
-    CharacterDef def;
+    CharacterDef def; ///< the character
 };
-/// With its body and all that belongs to that.
+/// Destroys a character with its body.
 struct DestroyCharacter {
-    CharacterId character;
+    CharacterId character; ///< destroyed
 };
-/// Holds until the next one.
+/// Sets the input of a character until the next such command.
 struct SetCharacterInput {
-    CharacterId character;
-    CharacterInput input;
+    CharacterId character; ///< moved
+    CharacterInput input;  ///< for all later ticks
 };
-/// A field as it is to be from now on.
+/// Replaces the definition of a force field.
 struct SetField {
-    FieldId field;
-    FieldDef def;
+    FieldId field; ///< changed
+    FieldDef def;  ///< the new definition
 };
-/// Velocities change at once, and what is hit wakes.
+/// Changes the velocities of the bodies in reach at once, and wakes them.
 struct Explode {
-    ExplosionDef def;
+    ExplosionDef def; ///< the explosion
 };
-/// A piece of a row of a game column, at most 64 bytes in canonical order. World::write cuts longer rows up.
+/// Writes a piece of a row of a game column. World::write() splits longer rows.
 struct WriteGame {
-    std::uint32_t column; ///< of the game schema
-    std::uint32_t size;   ///< bytes used of data
-    BodyId body;          ///< null for records
-    std::uint64_t offset; ///< of the first byte in the canonical row
-    std::array<std::uint8_t, 64> data;
+    std::uint32_t column;              ///< index in the GameSchema
+    std::uint32_t size;                ///< number of bytes, 0..64
+    BodyId body;                       ///< row of a body column; ignored for records
+    std::uint64_t offset;              ///< of the first byte in the canonical row
+    std::array<std::uint8_t, 64> data; ///< [size] canonical bytes: little-endian, in field order
 };
 
+/// Any command. The order of the alternatives is that of the file format.
 using Command =
     std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField, SetPose,
                  SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt, SetBodyParameters, SetMaterial,
@@ -281,11 +342,13 @@ using Command =
                  SetJointAxis, SetJointFrames, WakeBody, CreateVehicle, DestroyVehicle, SetVehicleInput,
                  CreateCharacter, DestroyCharacter, SetCharacterInput, SetField, Explode>;
 static_assert(sizeof(Command) <= 224, "a large definition goes into an Indirect");
-/// Name of a command's kind, as in FORMAT.md and diffs: "create_body".
+/// Name of a command's kind, as in replay/FORMAT.md: "create_body". Static string.
 const char* name_of(const Command& command);
 
-// ---- field lists: the wire order of every command ---------------------------------------------------------------
+// ---- field lists: the file order of every command ---------------------------------------------------------
 
+/// Field list of a definition or command in file order, with ranges; see lockstone/row.h.
+///@{
 template <class V> constexpr void describe(AssetId& id, V&& v) { v("value", id.value); }
 template <class V> constexpr void describe(Geometry& g, V&& v) {
     v("kind", g.kind), v("radius", g.radius), v("half_extent", g.half_extent), v("scale", g.scale);
@@ -392,5 +455,6 @@ template <class V> constexpr void describe(SetGravity& c, V&& v) { v("gravity", 
 template <class V> constexpr void describe(WriteGame& c, V&& v) {
     v("column", c.column), v("size", c.size), v("body", c.body), v("offset", c.offset), v("data", c.data);
 }
+///@}
 
 } // namespace lockstone

@@ -1,8 +1,9 @@
-// The whole state of a simulation in one relocatable block: columns of rows, named once in a manifest.
+// The whole state of a simulation in one relocatable block: columns of rows, listed in one manifest
+// (StateLayout).
 //
-// Saving, restoring, hashing, comparing and dumping all walk the manifest; nothing is mirrored by hand, and what
-// is not in the block cannot affect the next tick. Row counts are part of the state. How many rows there is memory for
-// is not: tables grow when they need to, up to a limit of each, and states with other capacities are equal all the same.
+// Save, restore, hash, comparison and dump all iterate over the manifest. Data outside the block cannot
+// affect the next tick. Row counts are part of the state; capacities are not: tables grow on demand up to
+// their limits, and states with different capacities can be equal.
 #pragma once
 
 #include "lockstone/result.h"
@@ -20,95 +21,114 @@
 
 namespace lockstone {
 
-/// Columns written by the same part of the tick share a group; the hash tree has one node for each, in this order.
-enum class Group : std::uint32_t { world, definition, motion, contact, game };
-inline constexpr std::uint32_t group_count = 5;
+/// Group of columns: one node of the hash tree, in this order.
+enum class Group : std::uint32_t {
+    world,      ///< header, configuration, counters
+    definition, ///< definitions of bodies, shapes, joints and the like
+    motion,     ///< poses, velocities, sleep
+    contact,    ///< contacts and warm-start impulses
+    game        ///< the game's own columns
+};
+inline constexpr std::uint32_t group_count = 5; ///< number of groups
+/// "world"; "unknown" for any other value. Static string.
 std::string_view name_of(Group group);
 
-/// A set of columns with one row count. Handed out by StateLayout::add_table.
+/// Handle of a table: columns with a common row count. From StateLayout::add_table().
 struct TableId {
-    std::uint32_t index;
+    std::uint32_t index; ///< in StateLayout::tables()
 };
 
-/// A typed column. Handed out by StateLayout::add_column.
-template <StateRow T> struct Column { std::uint32_t index; };
+/// Handle of a typed column. From StateLayout::add_column(), or from a GameSchema for World::read() and
+/// write().
+template <StateRow T> struct Column {
+    std::uint32_t index; ///< in StateLayout::columns(), or in GameSchema::entries()
+};
 
+/// A table.
 struct TableInfo {
-    std::string name;
-    std::uint32_t capacity; ///< rows that there is memory for
-    std::uint32_t rows_max; ///< that it may grow to
+    std::string name;       ///< unique
+    std::uint32_t capacity; ///< number of rows that the memory holds
+    std::uint32_t rows_max; ///< limit of the number of rows
 
-    /// The capacity that a table grows to when it is to hold `rows`, at most rows_max: half as much again as it has, so
-    /// that growing row by row copies each row a few times in all.
+    /// The capacity to grow to for `rows` rows, at most rows_max: at least 9/8 of `rows` and 5/4 of the
+    /// present capacity, so that growth row by row copies each row only a few times. `capacity` if `rows` fit
+    /// already.
     std::uint32_t grown(std::uint32_t rows) const;
 };
 
+/// A column.
 struct ColumnInfo {
-    std::string name; ///< "body.pose": unique
-    std::uint32_t table;
-    Group group;
-    std::uint32_t row_size;           ///< bytes
-    std::uint32_t rows_per_page;      ///< of the hash tree
-    std::size_t offset;               ///< of row 0 from the start of the block, a multiple of 64
-    std::span<const LeafInfo> leaves; ///< valid while a layout lives that has the column
-    std::uint64_t name_hash;          ///< seeds the column's node of the hash tree
+    std::string name;                 ///< "body.pose": unique
+    std::uint32_t table;              ///< index in StateLayout::tables()
+    Group group;                      ///< node of the hash tree
+    std::uint32_t row_size;           ///< bytes of a row
+    std::uint32_t rows_per_page;      ///< rows of a page, the unit of saving and hashing
+    std::size_t offset;               ///< of row 0 in the block [bytes], a multiple of 64
+    std::span<const LeafInfo> leaves; ///< numbers of a row; valid while any layout with this column exists
+    std::uint64_t name_hash;          ///< seed of the column's hash
 };
 
-/// The manifest: tables and columns in hash order. Tables and columns are added, then finished() gives what every copy of a
-/// state shares, read-only; what is asked of places, sizes and the schema's hash holds of a finished layout only.
+/// The manifest: tables and columns in hash order. Add tables and columns, then call finished(). Copies of a
+/// state share the finished layout, which is read-only and thread-safe. Placements, sizes and the schema hash
+/// exist only in a finished layout.
 class StateLayout {
   public:
-    /// Names of tables are unique (asserted). A limit of zero is allowed: the columns exist and stay empty.
-    /// `capacity`: rows that a state has memory for when it is made, at most `rows_max` (asserted).
+    /// Adds a table. The name must be unique and `capacity`, the initial number of rows in memory, at most
+    /// `rows_max`; otherwise the program ends. rows_max may be 0: the columns exist and are always empty.
     TableId add_table(std::string name, std::uint32_t capacity, std::uint32_t rows_max);
-    /// A table that has all its memory from the start.
+    /// Adds a table whose memory is allocated at once.
     TableId add_table(std::string name, std::uint32_t capacity) {
         return add_table(std::move(name), capacity, capacity);
     }
-    /// Names of columns are unique (asserted).
+    /// Adds a column. A repeated name ends the program.
     template <StateRow T> Column<T> add_column(TableId table, std::string name, Group group) {
         return {add_column(table, std::move(name), group, sizeof(T), leaves_of<T>())};
     }
+    /// Adds a column without a row type; returns the index of the column. The leaves must cover every byte of a
+    /// row.
     std::uint32_t add_column(TableId table, std::string name, Group group, std::size_t row_size,
                              std::vector<LeafInfo> leaves);
-    /// Places the columns and hashes the schema: a State is made of this.
+    /// Computes placements and the schema hash, and moves the layout into the result.
     std::shared_ptr<const StateLayout> finished() &&;
-    bool is_finished() const { return has_places; }
+    bool is_finished() const { return has_places; } ///< True for a result of finished().
 
-    std::span<const TableInfo> tables() const { return table_infos; }
-    std::span<const ColumnInfo> columns() const { return column_infos; }
-    /// Where each column lies, by column index: what saving walks, without the names in between.
+    std::span<const TableInfo> tables() const { return table_infos; }    ///< By TableId::index.
+    std::span<const ColumnInfo> columns() const { return column_infos; } ///< By column index.
+    /// Place of a column in the block: ColumnInfo without the names, for fast iteration.
     struct Placement {
-        std::size_t offset; ///< of row 0 from the start of the block
-        std::uint32_t row_size, table;
-        std::uint32_t rows_per_page;
-        std::size_t first_page; ///< among the pages of all columns at capacity; a multiple of pages_per_chunk
+        std::size_t offset;          ///< of row 0 in the block [bytes]
+        std::uint32_t row_size,      ///< bytes of a row
+            table;                   ///< index in tables()
+        std::uint32_t rows_per_page; ///< rows of a page
+        std::size_t first_page;      ///< first page number of the column; a multiple of pages_per_chunk
     };
-    std::span<const Placement> placements() const { return column_placements; }
+    std::span<const Placement> placements() const { return column_placements; } ///< By column index.
+    /// pages with a common version
     static constexpr std::size_t pages_per_chunk = 16;
-    /// Pages of all columns at capacity, each column's filled up to whole chunks.
+    /// Pages of all columns at capacity, rounded up to whole chunks for each column.
     std::size_t page_count() const { return pages_total; }
-    /// Bytes of a whole block: counts, then every column at capacity.
+    /// Bytes of the block: counts, then every column at capacity.
     std::size_t size_bytes() const { return block_size; }
-    /// What image_bytes() of a state is whose tables are full, at capacity.
+    /// State::image_bytes() of a state whose tables are filled to capacity.
     std::size_t image_bytes_max() const { return image_size_max; }
-    /// The same manifest with other capacities, by table: for the same columns, at other places. Each at most the table's
-    /// rows_max (asserted).
+    /// A finished layout of the same columns with other capacities [one for each table], each at most the
+    /// table's rows_max; otherwise the program ends.
     std::shared_ptr<const StateLayout> with_capacities(std::span<const std::uint32_t> capacities) const;
-    /// XXH3 of all names, sizes and formats (not capacities): two states compare or load only where these agree.
+    /// XXH3 of all names, sizes and formats, without capacities. Comparing and loading require equal hashes.
     std::uint64_t schema_hash() const { return schema; }
+    /// The column of this name; null: none. Valid as long as the layout.
     const ColumnInfo* find_column(std::string_view name) const;
-    /// What the rows were made for, as the maker of the layout says: images of another origin are not for this state. Not
-    /// part of the schema; 0 where nobody says.
+    /// Hash of the definition and assets that the rows belong to; a ring image of another origin is refused.
+    /// Not part of the schema. Default: 0.
     std::uint64_t origin() const { return made_for; }
-    void set_origin(std::uint64_t origin) { made_for = origin; }
+    void set_origin(std::uint64_t origin) { made_for = origin; } ///< Call before finished().
 
   private:
     void place_columns();
 
     std::vector<TableInfo> table_infos;
     std::vector<ColumnInfo> column_infos;
-    std::vector<std::shared_ptr<const std::vector<LeafInfo>>> leaf_lists; ///< what ColumnInfo::leaves is of
+    std::vector<std::shared_ptr<const std::vector<LeafInfo>>> leaf_lists; ///< owns ColumnInfo::leaves
     std::vector<Placement> column_placements;
     std::size_t block_size = 0;
     std::size_t image_size_max = 0;
@@ -119,7 +139,7 @@ class StateLayout {
 };
 
 namespace detail {
-/// Bytes that begin at a cache line and are not touched before they are written.
+/// Uninitialised bytes, aligned to a cache line.
 class Block {
   public:
     Block() = default;
@@ -133,28 +153,27 @@ class Block {
     std::unique_ptr<std::byte[], Free> memory;
 };
 
-/// Which contents stand where. A version names what a page, a chunk of pages or a column holds: two places with the
-/// same version, given out by the same state, hold the same live rows, and as many. Bookkeeping, never hashed or sent.
-/// 0: of no contents.
+/// Dirty tracking. A version number identifies the content of a page, a chunk of pages or a column: two
+/// places with equal versions of the same owner hold equal live rows. Never hashed or sent. 0: no content.
 struct Versions {
     std::vector<std::uint64_t> pages;   ///< as in StateLayout::Placement::first_page
     std::vector<std::uint64_t> chunks;  ///< by page / StateLayout::pages_per_chunk
     std::vector<std::uint64_t> columns; ///< by column index
 };
-/// The state that gave the versions out. It lives while anything refers to it, so no other state's is the same.
+/// Identity of the state that assigned the versions. Shared ownership keeps the address unique.
 using Owner = std::shared_ptr<const std::byte>;
 } // namespace detail
 
-/// A ring image: the rows of a state at one time, only for this process (save_portable is for files and packets). It
-/// has as much memory as the state had when it was saved, of which only what was ever live is touched. Saving into an
-/// image that already holds most of the state, and restoring from one, copies the pages that differ.
+/// A ring image: the rows of a state at one time, for this process only; save_portable() is for files and
+/// packets. It allocates as much memory as the state has, and touches only the part that had live rows.
+/// Saving into an older image of the state, and restoring from one, copies only the pages that differ.
 class Image {
   public:
-    /// What image_bytes() was of the state when it was saved; 0: nothing was.
+    /// State::image_bytes() at the time of the save; 0: empty.
     std::size_t size() const { return packed_size; }
-    /// StateLayout::origin of the state; 0 of an empty image.
+    /// StateLayout::origin() of the state; 0 for an empty image.
     std::uint64_t origin() const { return layout == nullptr ? 0 : layout->origin(); }
-    /// The same schema, counts and rows.
+    /// Equal schema, counts and rows.
     friend bool operator==(const Image& left, const Image& right);
 
   private:
@@ -163,7 +182,8 @@ class Image {
         return {reinterpret_cast<const std::uint32_t*>(block.get()), layout->tables().size()};
     }
     std::shared_ptr<const StateLayout> layout;
-    detail::Block block; ///< laid out as the state's; zero from the last live row up to a whole cache line
+    /// same layout as the state; zero from the last live row to the end of its cache line
+    detail::Block block;
     detail::Owner owner;
     detail::Versions versions;
     std::size_t packed_size = 0;
@@ -171,158 +191,173 @@ class Image {
 
 /// Rows [first, end) of a table.
 struct RowRange {
-    std::uint32_t first, end;
+    std::uint32_t first, ///< first row
+        end;             ///< row after the last
 };
 
-/// Up to where a reader has seen the changes of a state, column by column: see State::take_changes. A fresh one has seen nothing.
+/// A reader's position in the changes of a state: see State::take_changes(). A new one has seen nothing.
 class ChangeMark {
     friend class State;
     std::shared_ptr<const StateLayout> layout;
     detail::Owner owner;
-    detail::Versions versions;       ///< of what the reader saw; 0: of pages that were not live then
-    std::vector<std::uint32_t> rows; ///< by column: how many there were
+    detail::Versions versions;       ///< that the reader saw; 0: the page was not live
+    std::vector<std::uint32_t> rows; ///< row count of each column
 };
 
-inline constexpr const char* row_count_field =
-    "row count"; ///< of Difference: no field has a name with a space in it
-/// Where two states first differ, ready to print.
+/// Difference::field of a different row count. Fields have no space in their names.
+inline constexpr const char* row_count_field = "row count";
+/// A place where two states differ, ready to print.
 struct Difference {
-    std::string column; ///< "body.velocity"; for row counts the table's name
-    std::uint32_t row;
-    std::string field;       ///< "linear.x"; row_count_field for row counts
-    std::string left, right; ///< decimal and raw: "-1.25 (raw 0xfff60000)"
+    std::string column; ///< "body.velocity"; the table's name for row counts
+    std::uint32_t row;  ///< row of the column; 0 for row counts
+    std::string field;  ///< "linear.x"; row_count_field for row counts
+    std::string left,   ///< value of the left state, decimal and raw: "-1.25 (raw 0xfff60000)"
+        right;          ///< value of the right state
 };
-/// "column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"
+/// One line: "column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)".
 std::string to_string(const Difference& difference);
 
-/// The hash tree of one state, from the root downwards. Two peers descend it to a column and a page.
+/// The hash tree of a state. Two peers compare theirs from the root down to a column and a page.
 struct HashTree {
-    std::uint64_t root;
-    std::array<std::uint64_t, group_count> groups;
-    std::vector<std::uint64_t> columns;            ///< by column index
-    std::vector<std::vector<std::uint64_t>> pages; ///< by column index, then page
-    std::vector<std::uint32_t> row_counts;         ///< by column index
-    std::vector<std::uint32_t> rows_per_page;      ///< by column index
+    std::uint64_t root;                            ///< State::hash()
+    std::array<std::uint64_t, group_count> groups; ///< [group]
+    std::vector<std::uint64_t> columns;            ///< [column]
+    std::vector<std::vector<std::uint64_t>> pages; ///< [column][page]
+    std::vector<std::uint32_t> row_counts;         ///< [column]
+    std::vector<std::uint32_t> rows_per_page;      ///< [column]
 };
 
-/// A page of a column and the rows it holds, last_row included.
+/// A page of a column.
 struct PageRef {
-    std::uint32_t column, page, first_row, last_row;
+    std::uint32_t column, ///< column index
+        page,             ///< page of the column
+        first_row,        ///< first row of the page
+        last_row;         ///< last row of the page, included
 
+    /// Equal members.
     friend bool operator==(const PageRef&, const PageRef&) = default;
 };
-/// The pages whose hashes differ, or that only one tree has; by column, then page. Trees of the same schema.
+/// Pages with different hashes or in one tree only, by column, then page. The trees must have one schema.
 std::vector<PageRef> differing_pages(const HashTree& left, const HashTree& right);
 
-/// One thread at a time, reading included: hash() keeps what it found for the next time.
+/// The rows of a simulation. One thread at a time, for const members too, because hash() writes a cache.
 class State {
   public:
-    explicit State(std::shared_ptr<const StateLayout> layout); ///< all counts zero, all bytes zero
-    State(const State& other);                                 ///< deep copy at another address
-    State& operator=(const State& other); ///< of an equal schema, within the limits (asserted); grows
-    State(State&&) noexcept = default;
-    State& operator=(State&&) noexcept = default;
+    explicit State(std::shared_ptr<const StateLayout> layout); ///< Empty tables. The layout must be finished.
+    State(const State& other);                                 ///< A copy in memory of its own.
+    /// Copies all rows. The schemas must be equal and the row counts within this state's limits; otherwise
+    /// the program ends.
+    State& operator=(const State& other);
+    State(State&&) noexcept = default;            ///< Moves the block; views of rows remain valid.
+    State& operator=(State&&) noexcept = default; ///< Moves the block; views of the old rows end.
 
-    /// The present one: growing replaces it. Handles of columns and tables stay what they are, and so does the schema.
+    /// The present layout. Growth replaces it by one with other capacities; handles and schema remain valid.
     const StateLayout& layout() const { return *shared_layout; }
+    /// layout(), shared.
     const std::shared_ptr<const StateLayout>& layout_shared() const { return shared_layout; }
 
+    /// Number of live rows.
     std::uint32_t count(TableId table) const { return counts()[table.index]; }
-    /// Rows that there is memory for. Enters no hash and no image, and no comparison looks at it.
+    /// Number of rows that the memory holds. Not part of any hash, image or comparison.
     std::uint32_t capacity(TableId table) const { return shared_layout->tables()[table.index].capacity; }
+    /// Limit of the number of rows.
     std::uint32_t rows_max(TableId table) const { return shared_layout->tables()[table.index].rows_max; }
-    /// Sets the live row count, at most rows_max (asserted). Rows that appear are zero; rows that go are zeroed. Grows
-    /// where there is no room.
+    /// Sets the number of live rows; more than rows_max ends the program. New rows are zero. Grows the memory
+    /// if it is too small.
     void resize(TableId table, std::uint32_t rows);
-    /// Room for `more` rows in each of the tables, so that no resize to it grows: once for all of them. At most rows_max
-    /// is taken, whatever is asked for.
+    /// Allocates memory for `more` further rows in each of the tables, in one growth. Never beyond rows_max.
     void make_room(std::initializer_list<TableId> tables, std::uint32_t more);
-    /// Capacities of at least these, by table, each at most the table's rows_max (asserted). Growing moves the block, takes
-    /// time and memory like a copy of it, and changes nothing that a hash, an image or a reader of changes could tell.
+    /// Raises capacities to at least these [one for each table]; one above rows_max ends the program. Growth
+    /// copies the block. It changes no hash, no image and no result of take_changes().
     void reserve(std::span<const std::uint32_t> capacities);
 
-    /// The live rows of a column. Valid until the state is moved or grows, or the table is resized.
+    /// The live rows of a column. Valid until the state grows or is assigned to, or the table is resized.
     template <StateRow T> std::span<const T> rows(Column<T> column) const {
         const std::span<const std::byte> all = bytes(column.index);
         return {reinterpret_cast<const T*>(all.data()), all.size() / sizeof(T)};
     }
-    /// Live rows, raw. Asked for a hundred thousand times in a tick.
+    /// The live rows as bytes. Inline, because a tick calls it very often.
     std::span<const std::byte> bytes(std::uint32_t column) const {
         const StateLayout::Placement& place = shared_layout->placements()[column];
         return {block.get() + place.offset, std::size_t{counts()[place.table]} * place.row_size};
     }
 
-    // ---- writing: whatever these name counts as written ----
-    // Use what they return at once: it is valid until the state is moved or grows, or the table is resized, and a write
-    // through it after a save, a restore or a hash goes unnoticed.
+    // ---- writing: these functions mark the returned rows as changed ----
+    // Use the result at once. It is valid until the state grows or is assigned to, or the table is resized.
+    // Writes through it after a save, a restore or a hash are not detected.
     /// All live rows.
     template <StateRow T> std::span<T> edit(Column<T> column) { return as_rows<T>(edit_bytes(column.index)); }
-    /// `count` live rows from `first` (asserted).
+    /// `count` live rows from row `first`; rows that are not live end the program.
     template <StateRow T> std::span<T> edit(Column<T> column, std::uint32_t first, std::uint32_t count) {
         return as_rows<T>(edit_bytes(column.index, first, count));
     }
+    /// One live row.
     template <StateRow T> T& edit_row(Column<T> column, std::uint32_t row) { return edit(column, row, 1)[0]; }
-    std::span<std::byte> edit_bytes(std::uint32_t column);
+    std::span<std::byte> edit_bytes(std::uint32_t column); ///< All live rows as bytes.
+    /// Some live rows as bytes.
     std::span<std::byte> edit_bytes(std::uint32_t column, std::uint32_t first_row, std::uint32_t count);
 
-    /// The whole block. Bytes outside of live rows are zero, so equal states of equal capacities are equal blocks.
+    /// The whole block. Bytes outside live rows are zero: equal states of equal capacity have equal blocks.
+    /// Valid as the rows.
     std::span<const std::byte> block_bytes() const { return {block.get(), shared_layout->size_bytes()}; }
 
     // ---- ring images: the fast path of rollback ----
-    /// Copies what the image does not hold yet. Allocates only for an image of none or of another layout: once for each
-    /// image after the state has grown.
+    /// Makes the image equal to this state; copies only the pages that differ. Allocates if the image is new
+    /// or the state has grown since.
     void save(Image& image) const;
-    /// Checks that `restore` accepts the image: a state with the same columns, fields and origin saved it. The error says which of
-    /// these differs.
+    /// Checks that restore() accepts the image: a state with the same columns, fields and origin saved it.
+    /// The error names the difference.
     Status can_restore(const Image& image) const;
-    /// Replaces all rows by those of the image, which can_restore accepts (asserted). Copies only the pages that differ where this
-    /// state saved the image itself, also after it has grown.
+    /// Replaces all rows by those of the image. An image that can_restore() refuses ends the program. Copies
+    /// only the pages that differ if this state saved the image, otherwise all.
     void restore(const Image& image);
-    /// Gives an image its memory ahead of the first save.
+    /// Allocates the memory of an image before the first save; empties an image of another layout.
     void reserve(Image& image) const;
-    std::size_t image_bytes() const; ///< of the live rows, packed: what a save copies at most
+    std::size_t image_bytes() const; ///< Bytes of the live rows: upper bound of the bytes that a save copies.
 
     // ---- portable images: files, packets, other machines. Format: src/state/README.md ----
-    std::vector<std::byte> save_portable() const;
-    /// On any error the state is as it was. Capacities may differ; counts must be within the limits.
+    std::vector<std::byte> save_portable() const; ///< The rows in little-endian bytes, with a checksum.
+    /// Replaces all rows. Errors: damaged bytes, another schema, counts above the limits; the state is then
+    /// as before. Capacities may differ.
     Status restore_portable(std::span<const std::byte> image);
 
-    // ---- delta images: a portable image as the difference to an earlier state. Format: src/state/README.md ----
-    /// What apply_delta of a state like `base` turns into this one: small where little changed, the same bytes on every
-    /// machine. Schemas must agree (asserted).
+    // ---- delta images: the difference to an earlier state. Format: src/state/README.md ----
+    /// This state as the difference to `base`, for apply_delta(). Small when little changed; equal bytes on
+    /// every machine. Different schemas end the program.
     std::vector<std::byte> save_delta(const State& base) const;
-    /// Turns this state, the base that the delta was saved against, into the other. On any error, another base
-    /// included, the state is as it was.
+    /// Adds a difference to this state, which must equal the base of save_delta(). Errors: damaged bytes,
+    /// another base; the state is then as before.
     Status apply_delta(std::span<const std::byte> delta);
 
     // ---- hashing ----
-    /// The root, over all live rows; hashes the pages that were written since it was last asked. Never allocates.
+    /// Root of the hash tree over all live rows. Hashes only the pages written since the last call. Never
+    /// allocates.
     std::uint64_t hash() const;
-    HashTree hash_tree() const;
+    HashTree hash_tree() const; ///< The whole tree; allocates.
 
-    // ---- following changes: for what is derived from rows and kept beside the state ----
-    /// The live rows of a column that may be others than when this was last called with the mark, in whole pages, in
-    /// order; `out` is written anew. Returns how many rows there were then: those from there on that are gone are not
-    /// in `out`. Of a state that was replaced by another, all rows.
+    // ---- changes: for caches derived from rows ----
+    /// Replaces `out` by the live rows of a column that may have changed since the last call with this mark:
+    /// whole pages, ascending. Returns the row count at that call; removed rows are not in `out`. All rows
+    /// for a new mark or a mark of another state.
     std::uint32_t take_changes(std::uint32_t column, ChangeMark& mark, std::vector<RowRange>& out) const;
 
     // ---- for tests ----
-    /// While `moves` is true, each call that may move the block does move it: resize() to another count, make_room(), reserve(), and
-    /// replacing all rows. The old block is overwritten before it is freed: code that uses a view for too long reads other bytes, and a
-    /// sanitizer names it. Default: false; true in builds with LOCKSTONE_MOVE_STATE. A copy of the state moves like the original.
-    /// No hash and no image depends on it.
+    /// While `moves` is true, each call that may move the block moves it: resize(), make_room(), reserve()
+    /// and copy assignment. A block over 256 kB moves at about one call in 16. The old block is overwritten,
+    /// so that code that uses a view for too long reads wrong bytes. Default: false; true in builds with
+    /// LOCKSTONE_MOVE_STATE. Copies inherit it. No hash and no image depends on it.
     void move_at_every_chance(bool moves) { moves_at_every_chance = moves; }
 
-    // ---- checks of the bookkeeping; builds without NDEBUG make them at each hash, save and restore ----
-    /// Hashes every page anew: refuses, with the column and the rows, where hash() would use another value.
+    // ---- checks of the dirty tracking; builds without NDEBUG run them at each hash, save and restore ----
+    /// Hashes every page again. Error: a cached hash is wrong, with the column and the rows.
     Status verify_versions() const;
-    /// Refuses where a page of the image has the version of this state's page, but other rows.
+    /// Compares an image with this state. Error: a page has equal versions but different rows.
     Status verify_versions(const Image& image) const;
 
-    /// Row counts first, then the rows that both have, in manifest order; at most `limit` entries. Schemas must agree
-    /// (asserted).
+    /// Differences of two states: row counts first, then common rows, in manifest order; at most `limit`
+    /// entries. Different schemas end the program.
     static std::vector<Difference> diff(const State& left, const State& right, std::size_t limit);
-    /// One line per live row: `body.pose[3] position.x=1.5 ...`.
+    /// All rows as text, a line for each: `body.pose[3] position.x=1.5 ...`.
     std::string dump() const;
 
   private:
@@ -347,14 +382,15 @@ class State {
     std::shared_ptr<const StateLayout> shared_layout;
     detail::Block block;
     detail::Owner owner;
-    detail::Versions versions; ///< of a page without a live row: 0
+    detail::Versions versions; ///< 0: page without a live row
     std::uint64_t version_last = 0;
     bool moves_at_every_chance = false;
-    /// Blocks that the state has left, overwritten. They are kept for a while, or the allocator gives the same memory again.
+    /// Overwritten old blocks of move_at_every_chance(). Kept, so that the allocator does not reuse them at
+    /// once.
     std::vector<detail::Block> left_blocks;
-    /// Of pages and columns, and the versions they are of.
+    /// Hash cache of pages and columns, with the versions that the hashes belong to.
     struct Hashes {
-        std::vector<std::uint64_t> page; ///< and room for one value after the last
+        std::vector<std::uint64_t> page; ///< with one spare entry at the end
         std::vector<std::uint64_t> column;
         detail::Versions of;
     };
@@ -362,13 +398,13 @@ class State {
 };
 
 // ---- the canonical bytes of a row: little-endian fields in order, as hashed, saved and sent ----
-/// Appends the row's canonical bytes.
+/// Appends the canonical bytes of a row to `out`.
 void append_canonical(std::span<const std::byte> row, std::span<const LeafInfo> leaves,
                       std::vector<std::byte>& out);
-/// Reads canonical bytes into a row of the host; `from` has exactly the row's size.
+/// Writes canonical bytes into a row in host byte order. `from` must have the size of the row.
 void read_canonical(std::span<const std::byte> from, std::span<const LeafInfo> leaves,
                     std::span<std::byte> row);
-/// XXH3-64 of bytes, the one hash of the library.
+/// XXH3-64 of the bytes. All hashes of the library use it.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
 
 } // namespace lockstone

@@ -66,7 +66,7 @@ class World {
     /// no events.
     World clone() const;
     /// Allocates memory for at least `rows` objects, so that later ticks and commands rarely allocate.
-    /// Without it tables grow by half at a time. No hash, image or result depends on it. Ring images get
+    /// Without it tables grow by a quarter or more at a time. No hash, image or result depends on it. Ring images get
     /// their memory at the next save. Invalidates references into the state. Errors: a count above the limit
     /// of the definition.
     Status reserve(const WorldRows& rows);
