@@ -1,16 +1,20 @@
-// Sessions: several machines run one game, from inputs alone.
+// Sessions: several machines run one game and exchange inputs only.
 //
-//   auto session = make_rollback_session(session_def(game, /*self=*/0, /*players=*/{0, 1}), transport).value();
+//   const SessionDef def = session_def(game, /*self=*/0, /*players=*/{0, 1});
+//   auto session = make_rollback_session(def, transport).value();
 //   WorldSimulation simulation(world, game);
 //   SessionRunner runner(*session, simulation);
 //   each frame:
 //     session->add_local_input(0, encode_input(pad));
-//     const Frame frame = runner.frame(now_ms);              // receives, sends, rolls back, runs one tick or stalls
+//     const Frame frame = runner.frame(now_ms);              // receive, send, roll back, run a tick or stall
 //     for (const SessionEvent& e : runner.events()) ...      // predicted, then confirmed or cancelled
 //     while (auto notice = session->next_notice()) ...       // who joined, who left, who desynced
 //
-// A session owns no world, no clock and no socket. It answers with requests; SessionRunner executes them, or the
-// caller does. Ticks count from 0: Save(t) and Load(t) mean the state before tick t runs.
+// A session has no world, no clock and no socket. It returns requests (load, save, advance) that
+// SessionRunner or the caller executes. Ticks count from 0: Save(t) and Load(t) refer to the state before
+// tick t.
+//
+// Threads: one thread at a time for a session with its transport, simulation and runner.
 #pragma once
 
 #include "lockstone/game.h"
@@ -27,373 +31,419 @@
 
 namespace lockstone {
 
-// ---- what a session is made of -----------------------------------------------------------------------------------
+// ---- definition -----------------------------------------------------------------------------------
 
-inline constexpr std::uint32_t players_max = 16;
-inline constexpr std::uint32_t input_bytes_max = 64;
-inline constexpr std::uint32_t prediction_limit = 64; ///< of SessionDef::prediction_max
-inline constexpr std::uint32_t input_delay_limit = 32;
-inline constexpr std::uint32_t run_ahead_limit = 4;
+inline constexpr std::uint32_t players_max = 16;              ///< of a match
+inline constexpr std::uint32_t input_bytes_max = 64;          ///< of SessionDef::input_size
+inline constexpr std::uint32_t prediction_limit = 64;         ///< of SessionDef::prediction_max
+inline constexpr std::uint32_t input_delay_limit = 32;        ///< of SessionDef::input_delay
+inline constexpr std::uint32_t run_ahead_limit = 4;           ///< of SessionDef::run_ahead
 inline constexpr std::uint64_t disconnect_ms_limit = 120'000; ///< of SessionDef::disconnect_ms
-/// What one poll reads: packets of each peer, and of all senders. Of a peer's, more are dropped unread; the rest waits.
+/// Packets of one peer that a poll reads; it drops further ones unread.
 inline constexpr std::uint32_t packets_per_peer_max = 64;
+/// Packets of all senders that a poll takes; the next poll takes the rest.
 inline constexpr std::uint32_t packets_per_poll_max = 4096;
 
-/// Guesses a remote player's input until the true one is here. Wrong guesses cost a rollback, never correctness, so
-/// a predictor may use anything at hand.
+/// Predicts the input of a remote player until the true one arrives. A wrong prediction costs a rollback but
+/// no correctness, so a predictor may use any data.
 class InputPredictor {
   public:
     virtual ~InputPredictor() = default;
-    /// `last` is the player's newest true input (zeros before the first), `ticks_ahead` >= 1 how far `out` lies after
-    /// it. `out` has the size of `last`.
+    /// Writes the predicted input to `out` [input_size bytes]. `last`: the player's newest true input, zeros
+    /// before the first; `ticks_ahead`: distance of `out` from it, at least 1.
     virtual void predict(std::uint32_t player, std::span<const std::byte> last, std::uint64_t ticks_ahead,
                          std::span<std::byte> out) const = 0;
 };
-/// The default: a held button stays held.
+/// The default predictor: repeats the last input. Lives as long as the program.
 const InputPredictor& repeat_last_input();
 
+/// Definition of a session. The factory functions check the ranges.
 struct SessionDef {
-    std::uint64_t match_id =
-        0; ///< agreed outside, the same on every machine; other matches' packets are refused
-    std::uint64_t content_id = 0; ///< Game::content_id
-    std::uint32_t input_size = 0; ///< bytes, 0..64
+    /// Id of the match, equal on every machine. Packets of other matches are dropped.
+    std::uint64_t match_id = 0;
+    std::uint64_t content_id = 0; ///< Game::content_id()
+    std::uint32_t input_size = 0; ///< bytes of an input, 0..64
     PeerId self = 0;              ///< this machine
-    std::vector<PeerId> players; ///< by player: the machine where they play; 1..16, the same on every machine
-    /// Bit p: player p's machine is not there from the start but may come (lockstone/session/join.h); till then the inputs are zero and
-    /// `disconnected`. All players of a machine or none; not self. The same on every machine.
+    std::vector<PeerId> players;  ///< [players] the machine of each player, 1..16; equal on every machine
+    /// Bit p: the machine of player p is absent at the start and may join later (lockstone/session/join.h).
+    /// Until then the player's inputs are zero and `disconnected`. All players of a machine or none; not
+    /// those of self. Equal on every machine.
     std::uint32_t absent = 0;
-    std::uint32_t input_delay = 2; ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
-    /// [ticks] that may run on guesses, 1..64; lockstep ignores it. Among three machines or more one that leaves may take back up to
-    /// 2 * prediction_max + 8.
+    /// delay of local inputs [ticks], 0..32; lockstep: 1..32. Machines may differ
+    std::uint32_t input_delay = 2;
+    /// Ticks that may run on predicted inputs, 1..64; lockstep ignores it. Among three or more machines the
+    /// departure of one may roll back up to 2 * prediction_max + 8 ticks.
     std::uint32_t prediction_max = 8;
-    /// Patience with a peer: how long it may be silent, and how long the match may wait for its inputs, hashes and
-    /// acknowledgements (for the last two half as long among three machines or more); every tick that runs makes up for a
-    /// tenth of a second, or a sixtieth of it if that is more.
-    /// Then this machine wants it to leave. At most two minutes: packets are numbered by 16 bits, and a link that loses 32,768 packets in a row,
-    /// those of two minutes at 270 polls a second, is dead. So lockstep needs an input delay that covers the way from the slowest machine, less
-    /// a tenth of a second: a match that is slower than that throws it out.
+    /// Timeout of a peer [ms], 1..120,000: for silence, and for the total stall time that it causes by
+    /// missing inputs, hashes and acknowledgements (half the time for the last two among three or more
+    /// machines). Each tick that runs refills the stall budget by 100 ms, or by disconnect_ms / 60 if that is
+    /// more. After the timeout this machine votes for the peer to leave. The upper limit follows from 16-bit
+    /// packet numbers: a link that loses 32,768 packets in a row is dead. In lockstep the input delay must
+    /// cover the latency of the slowest machine less 100 ms; a longer latency exhausts the budget.
     std::uint64_t disconnect_ms = 5000;
-    std::uint64_t connect_ms = 30'000; ///< from the first poll: how long a peer may take to appear
-    const InputPredictor* predictor = &repeat_last_input(); ///< not owned
-    /// How many ticks ahead of what is played the world is shown after each frame, 0..4, as if the newest local inputs were held and
-    /// others' guesses came true: it answers the player so much sooner. Costs so many ticks and a restore a frame, and changes
-    /// nothing of what is confirmed, recorded or told of events. A sync test takes 0.
+    /// timeout for a peer's first packet, from the first poll [ms], at least 1
+    std::uint64_t connect_ms = 30'000;
+    /// Predicts remote inputs. Not owned: it must outlive the session. Not null.
+    const InputPredictor* predictor = &repeat_last_input();
+    /// Ticks that the displayed world runs ahead after each frame, 0..4: with the newest local inputs held
+    /// and predicted remote inputs. It hides so many ticks of input delay and costs as many ticks and a
+    /// restore for each frame. Confirmed ticks, recordings and events do not change. A sync test requires 0.
     std::uint32_t run_ahead = 0;
 };
-/// match_id stays 0: set it where several matches share a network.
+/// A definition with the game's content_id and input_size. match_id is 0: set it if several matches share a
+/// network.
 SessionDef session_def(const Game& game, PeerId self, std::vector<PeerId> players);
 
-// ---- what a session asks for -------------------------------------------------------------------------------------
+// ---- requests -------------------------------------------------------------------------------------
 
-/// Make the state before tick `tick` the current one; it was saved earlier.
+/// Restore the state saved before tick `tick`.
 struct Load {
-    std::uint64_t tick;
-    bool verify; ///< sync tests: the state's hash must be what it was at Save(tick)
+    std::uint64_t tick; ///< of an earlier Save
+    bool verify;        ///< sync tests: check that the state has the hash that it had at Save(tick)
 };
-/// Keep the state before tick `tick`; the newest save of a tick replaces older ones. A tick before which
-/// nothing can change any more is not saved: nothing will roll back to it.
+/// Save the present state, that before tick `tick`, in place of an older save of the tick. Ticks that no
+/// rollback can reach are not saved.
 struct Save {
-    std::uint64_t tick;
+    std::uint64_t tick; ///< the next tick to run
 };
-/// Run tick `tick`, then call report_hash.
+/// Run tick `tick`, then call Session::report_hash().
 struct Advance {
-    std::uint64_t tick;
-    std::span<const PlayerInput> inputs; ///< one per player; valid until the session's next poll or advance
-    bool resimulated;                    ///< this tick has run before
+    std::uint64_t tick;                  ///< the tick to run
+    std::span<const PlayerInput> inputs; ///< [players]; valid until the session's next call but report_hash()
+    bool resimulated;                    ///< true: this tick ran before
 };
-/// Make this state, which another machine has sent, the one before tick `tick`, then call report_adopted. All that was known of
-/// states and events before is void. Only of sessions that begin in the middle of a match.
+/// Replace the state by this one from another machine, then call Session::report_adopted(). Earlier saves and
+/// events are void. Only from sessions that begin in the middle of a match.
 struct Adopt {
-    std::uint64_t tick;
-    std::span<const std::byte> image; ///< portable; valid until the session's next poll or advance
+    std::uint64_t tick;               ///< the next tick to run
+    std::span<const std::byte> image; ///< of save_portable(); valid until the session's next poll or advance
 };
+/// One instruction of a session to its caller.
 using Request = std::variant<Load, Save, Advance, Adopt>;
 
-/// Why no new tick was run. Call again next frame.
+/// Reason why no new tick ran. Call again in the next frame.
 enum class Stall {
-    none,                ///< the tick was run
-    connecting,          ///< a peer has not been heard of yet
-    inputs_missing,      ///< prediction_max ticks rest on guesses already (lockstep: an input is not here)
-    local_input_missing, ///< add_local_input was not called for a local player
-    peer_behind, ///< a peer does not say what it has: what it lacks must be kept, and the memory is bounded
-    finished,    ///< tick or poll 2^32 - 4096: two years at 60 Hz
-    stopped,     ///< for good; the notice MatchStopped says why
+    none,                ///< no stall: a tick ran
+    connecting,          ///< no packet of some peer has arrived yet
+    inputs_missing,      ///< prediction_max ticks are predicted already (lockstep: an input is missing)
+    local_input_missing, ///< add_local_input() was not called for a local player
+    peer_behind,         ///< a peer acknowledges too little, and the memory for resending is full
+    finished,            ///< tick or poll 2^32 - 4096 is reached: two years at 60 Hz
+    stopped,             ///< the match has ended; see the notice MatchStopped
 };
+/// "inputs missing"; "unknown" for any other value. Static string.
 const char* name_of(Stall stall);
 
+/// Result of Session::advance() and settle().
 struct Step {
-    Stall stall;
-    /// Execute all, in order, also when stalled; valid until the next advance
+    Stall stall; ///< none: a new tick ran
+    /// Execute all in order, after a stall too. Valid until the next advance() or settle().
     std::span<const Request> requests;
-    /// How many frames to skip (poll without advance) so that slower peers catch up; asked for once a second or so,
-    /// never more than prediction_max (lockstep: the input delay), whatever peers say.
+    /// Number of frames to skip (poll without advance), so that slower peers catch up. Not 0 about once a
+    /// second at most, and never above prediction_max (lockstep: the input delay).
     std::uint32_t wait_ticks;
 };
 
-/// A tick that can no longer change. Only these have hashes that may be compared or recorded.
+/// A tick that can no longer change. Compare and record only hashes of confirmed ticks.
 struct ConfirmedTick {
-    std::uint64_t tick;
-    std::span<const PlayerInput> inputs; ///< valid until the session's next call
+    std::uint64_t tick;                  ///< number of the tick
+    std::span<const PlayerInput> inputs; ///< [players]; valid until the session's next call
     std::uint64_t hash;                  ///< of the state after the tick
 };
 
+/// Result of Session::report_hash().
 enum class HashCheck {
-    accepted,
-    differs, ///< the same tick with the same inputs gave another hash before (sync tests)
+    accepted, ///< no contradiction
+    differs,  ///< an earlier run of the tick with equal inputs had another hash (sync tests)
 };
 
-// ---- what a session has to tell ----------------------------------------------------------------------------------
+// ---- notices ----------------------------------------------------------------------------------
 
+/// The first packet of a peer has arrived.
 struct PeerConnected {
-    PeerId peer;
+    PeerId peer; ///< the machine
 };
-/// The player's inputs are zero and `disconnected` from `tick` on, on every machine that remains.
+/// A player has left. Its inputs are zero and `disconnected` from `tick` on, on every remaining machine.
 struct PlayerDisconnected {
-    std::uint32_t player;
-    PeerId peer;
-    std::uint64_t tick;
+    std::uint32_t player; ///< the player
+    PeerId peer;          ///< the player's machine
+    std::uint64_t tick;   ///< first tick without the player
 };
-/// The first confirmed tick after which this machine and `peer` hold different states. Told once per peer. Recovery: of a
-/// machine that more than half of the others differ from, or of two the one that is not the host, the game makes a join session
-/// (lockstone/session/join.h) in place of this one; the others play on.
+/// The states of this machine and a peer differ. Once for each peer. To recover, a machine replaces its
+/// session by a join session (lockstone/session/join.h) if it differs from more than half of the others, or
+/// if it is not the host of two; the others play on.
 struct Desync {
-    std::uint64_t tick;
-    std::uint32_t local, remote; ///< lower halves of the root hashes after the tick
-    PeerId peer;
+    std::uint64_t tick;  ///< first confirmed tick after which the states differ
+    std::uint32_t local, ///< low half of this machine's root hash after the tick
+        remote;          ///< low half of the peer's root hash after the tick
+    PeerId peer;         ///< the other machine
 };
-inline constexpr std::size_t desync_differences_max = 8;
-inline constexpr std::uint64_t desync_log_ticks = 120; ///< two seconds at 60 Hz
+inline constexpr std::size_t desync_differences_max = 8; ///< of DesyncReport::differences
+inline constexpr std::uint64_t desync_log_ticks = 120;   ///< of DesyncReport::log: two seconds at 60 Hz
 
-/// Where two states part, as far as both machines have told each other.
+/// First difference between the states of two machines, as far as they could exchange it.
 struct DesyncReport {
-    PeerId peer = 0;
-    std::uint64_t tick = 0;              ///< the first after which the states differ
-    std::uint64_t local = 0, remote = 0; ///< root hashes after it; remote: 0 where not told
-    std::string phase; ///< of the tick, run again: the first that both leave differently; empty: not known
-    std::vector<std::string> columns; ///< that differ, in manifest order
-    /// Row counts, then of the first page of the first column; ours left
+    PeerId peer = 0;         ///< the other machine
+    std::uint64_t tick = 0;  ///< first confirmed tick after which the states differ
+    std::uint64_t local = 0, ///< this machine's root hash after the tick
+        remote = 0;          ///< the peer's root hash after the tick; 0: unknown
+    /// first phase of the tick with different hashes when it is run again; empty: unknown
+    std::string phase;
+    std::vector<std::string> columns; ///< different columns, in manifest order
+    /// At most 8: row counts, then rows of the first different page. Left: this machine.
     std::vector<Difference> differences;
-    bool complete = false;      ///< the other side has answered all
-    bool local_repeats = false; ///< the tick, run again here, leads to the same state as it did
-    bool remote_repeats =
-        false; ///< and there. Whose does not has a fault that its state and inputs do not explain
-    std::uint64_t bytes_exchanged = 0; ///< both ways, of questions and answers; at most 128 kB
+    bool complete = false;      ///< true: the peer has answered all requests
+    bool local_repeats = false; ///< true: the tick gives the same state again on this machine
+    /// True: the tick gives the same state again on the peer. False on a machine: something besides state and
+    /// inputs affects its ticks.
+    bool remote_repeats = false;
+    std::uint64_t bytes_exchanged = 0; ///< in both directions [bytes], at most 128 kB
+    /// A tick of the log.
     struct Tick {
-        std::uint64_t tick;
-        std::uint32_t local, remote;                ///< lower halves of the root hashes
-        std::vector<std::vector<std::byte>> inputs; ///< by player
+        std::uint64_t tick;                         ///< number of the tick
+        std::uint32_t local,                        ///< low half of this machine's root hash
+            remote;                                 ///< low half of the peer's root hash
+        std::vector<std::vector<std::byte>> inputs; ///< [player][input_size]
     };
-    std::vector<Tick> log; ///< the last desync_log_ticks up to `tick`
+    std::vector<Tick> log; ///< the last desync_log_ticks ticks up to `tick`
 };
-/// Follows a Desync where the session has somebody to ask (Session::set_inspector), at both machines: once all is told, or the
-/// other one has been silent about it for some seconds.
+/// The report of a Desync, on both machines: when the exchange is complete, or after some seconds without an
+/// answer. Only of a session with a StateInspector.
 struct DesyncNamed {
     std::shared_ptr<const DesyncReport> report; ///< never null
 };
-/// Machines are counted from 1.
-/// "tick 118, machine 2: phase solve, column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"
+/// One line; machines are numbered from 1: "tick 118, machine 2: phase solve, column body.velocity, row 7,
+/// linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"
 std::string to_string(const DesyncReport& report);
-/// The sentence above, then a line for each difference, column and tick: for a file.
+/// The line above, then a line for each difference, column and tick: for a file.
 std::string log_text(const DesyncReport& report);
 
-/// A state that `peer` has sent is not begun with; another machine is asked. What was run is untouched.
+/// The session refused a state from `peer` and requests one from another machine. The simulation is
+/// unchanged.
 struct StateRefused {
-    PeerId peer;
+    PeerId peer;        ///< the sender
     std::string reason; ///< a sentence
 };
-/// The player's inputs count again, or for the first time, from `tick` on, on every machine.
+/// A player has joined or returned. Its inputs count from `tick` on, on every machine.
 struct PlayerJoined {
-    std::uint32_t player;
-    PeerId peer;
-    std::uint64_t tick;
+    std::uint32_t player; ///< the player
+    PeerId peer;          ///< the player's machine
+    std::uint64_t tick;   ///< first tick with the player
 };
 
-/// Packets arrive from `peer` that are well formed but of another version or match. Told once per peer.
+/// Packets of `peer` are well formed but belong to another version or match. Once for each peer.
 struct PeerIncompatible {
-    PeerId peer;
-    const char* reason;
+    PeerId peer;        ///< the machine
+    const char* reason; ///< name_of() the PacketFault. Static string
 };
-/// The match has ended at this machine: the other machines have dropped it, they cannot agree on a departure, or no machine holds its next ticks any
-/// more. The session reports it once; every later step stalls. Confirmed ticks stay valid.
+/// The match has ended on this machine: the other machines have dropped it, they cannot agree on a departure,
+/// or no machine has its next ticks any more. Once; every later step stalls. Confirmed ticks remain valid.
 struct MatchStopped {
     std::string reason; ///< a sentence
 };
+/// A message of a session to the game.
 using Notice = std::variant<PeerConnected, PlayerDisconnected, PlayerJoined, Desync, DesyncNamed,
                             StateRefused, PeerIncompatible, MatchStopped>;
 
-/// Why a packet was dropped. Dropped packets change nothing but these counts.
+/// Reason why a packet was dropped. A dropped packet changes only these counts.
 enum class PacketFault : std::uint32_t {
-    stranger,    ///< from nobody in this match, or from a peer that is gone
-    damaged,     ///< not a session packet, or the checksum is wrong
+    stranger,    ///< the sender is not in the match, or has left
+    damaged,     ///< not a session packet, or a wrong checksum
     version,     ///< another version of the format
-    match,       ///< another match, game or line-up
+    match,       ///< another match, game or list of players
     malformed,   ///< a field contradicts the format
-    implausible, ///< well formed, but claims what the sender cannot know or do
-    flood,       ///< more than packets_per_peer_max of one peer in a poll: not even read
+    implausible, ///< well formed, but the sender cannot have this data
+    flood,       ///< more than packets_per_peer_max packets of a peer in one poll
 };
-inline constexpr std::uint32_t packet_fault_count = 7;
+inline constexpr std::uint32_t packet_fault_count = 7; ///< number of reasons
+/// A phrase such as "damaged"; "unknown" for any other value. Static string.
 const char* name_of(PacketFault fault);
 
+/// Counters of a session since its start.
 struct SessionStats {
-    std::uint64_t ticks = 0; ///< run for the first time
-    std::uint64_t rollbacks = 0;
-    std::uint64_t resimulated = 0; ///< ticks run again
-    std::uint64_t depth_max = 0;   ///< of a rollback [ticks]
-    std::uint64_t stalls = 0;      ///< calls of advance that ran no new tick
-    std::uint64_t hashes_compared = 0;
-    std::uint64_t packets_sent = 0, packets_received = 0, packets_dropped = 0;
-    std::uint64_t bytes_sent = 0, bytes_received = 0;        ///< without transport headers
-    std::array<std::uint64_t, packet_fault_count> dropped{}; ///< by PacketFault
-    std::uint64_t first_poll_ms = 0, last_poll_ms = 0;
-    std::uint32_t local_players = 0;
+    std::uint64_t ticks = 0;                                 ///< ticks run for the first time
+    std::uint64_t rollbacks = 0;                             ///< number of rollbacks
+    std::uint64_t resimulated = 0;                           ///< ticks run again
+    std::uint64_t depth_max = 0;                             ///< longest rollback [ticks]
+    std::uint64_t stalls = 0;                                ///< calls of advance() that ran no new tick
+    std::uint64_t hashes_compared = 0;                       ///< ticks compared with a peer
+    std::uint64_t packets_sent = 0,                          ///< to all peers
+        packets_received = 0,                                ///< from all senders, dropped ones too
+        packets_dropped = 0;                                 ///< sum of `dropped`
+    std::uint64_t bytes_sent = 0,                            ///< without transport headers
+        bytes_received = 0;                                  ///< without transport headers
+    std::array<std::uint64_t, packet_fault_count> dropped{}; ///< [PacketFault] packets
+    std::uint64_t first_poll_ms = 0,                         ///< time of the first poll [ms]
+        last_poll_ms = 0;                                    ///< time of the last poll [ms]
+    std::uint32_t local_players = 0;                         ///< players of this machine
 
-    /// Sent per local player and second of polling.
+    /// Bytes sent for each local player and second between the first and the last poll; 0 before.
     std::uint64_t bytes_per_player_second() const;
 };
 
-/// How a peer is doing, for display.
+/// Quality of the connection to a peer, for display.
 struct PeerQuality {
-    bool connected = false;
-    std::uint32_t ping_ms = 0;    ///< round trip
-    std::int32_t ticks_ahead = 0; ///< of this machine, by both sides' own counts; negative: the peer is ahead
-    std::uint64_t hashes_agreed = 0; ///< ticks [0, n) compared and equal
+    bool connected = false;          ///< false: not yet, or left
+    std::uint32_t ping_ms = 0;       ///< round trip [ms]
+    std::int32_t ticks_ahead = 0;    ///< lead of this machine [ticks]; negative: the peer leads
+    std::uint64_t hashes_agreed = 0; ///< n: the hashes of ticks [0, n) are compared and equal
 };
 
-// ---- where two states part -----------------------------------------------------------------------------------------
+// ---- desync diagnosis -------------------------------------------------------------------------------------
 
-/// A tick that was run again, from the state before it.
+/// Result of running a tick again from the state before it.
 struct Rerun {
-    std::vector<PhaseHash> phases; ///< empty: the simulation has none
-    std::uint64_t hash = 0;        ///< after the tick, as Simulation::hash gives it
+    std::vector<PhaseHash> phases; ///< empty: the simulation has no phases
+    std::uint64_t hash = 0;        ///< Simulation::hash() after the tick
 };
 
-/// Shows a session what this machine held, so that it and a peer can find out where they part. SessionRunner brings one.
+/// Gives a session access to old states, so that two machines can find their first difference. SessionRunner
+/// has one.
 class StateInspector {
   public:
     virtual ~StateInspector() = default;
-    /// The state after tick `tick`; null where it is not kept any more. Valid until the next call.
+    /// The state after tick `tick`; null: no longer stored. Valid until the next call.
     virtual const State* state_after(std::uint64_t tick) = 0;
-    /// Runs the tick again and comes back to the present. Without the state before it: empty.
+    /// Runs a tick again from the stored state before it; the simulation is then as before. Empty: no such
+    /// state.
     virtual Rerun run_again(std::uint64_t tick, std::span<const PlayerInput> inputs) = 0;
 };
 
-// ---- the session -------------------------------------------------------------------------------------------------
+// ---- the session ------------------------------------------------------------------------------------------
 
+/// One machine's part of a match. SessionRunner calls most of these functions.
 class Session {
   public:
     virtual ~Session() = default;
-    /// Receives packets, then sends every peer one packet with what it lacks. Call each frame, also when waiting. Time
-    /// comes from outside, in milliseconds from any origin; an earlier time than before counts as the same.
+    /// Receives packets, then sends each peer one packet with the inputs that it lacks. Call it once in each
+    /// frame, also in frames without advance(). `now_ms`: time [ms] from any origin; time never goes back.
     virtual void poll(std::uint64_t now_ms) = 0;
-    /// The input of a local player at tick current_tick() + input_delay. A sync test has no delay. Once per tick: repeated before the tick has run
-    /// (a stall), the first stands. Another size, or a player of another machine or of none, asserts.
+    /// Sets the input [input_size bytes] of a local player for tick current_tick() + input_delay; a sync test
+    /// has no delay. Call it once before each tick; a repetition after a stall is ignored. A wrong size or a
+    /// player of another machine ends the program.
     virtual void add_local_input(std::uint32_t player, std::span<const std::byte> input) = 0;
-    /// Corrects the past if inputs have arrived that differ from the guesses, then runs the next tick if it may.
+    /// Requests for one frame: a rollback if a prediction was wrong, then the next tick unless the session
+    /// stalls. Confirmed ticks must have been taken by next_confirmed(); otherwise the program ends.
     virtual Step advance() = 0;
-    /// The same without a new tick, for the end of a match: only what ran on wrong guesses runs again. Never stalls.
+    /// advance() without a new tick, for the end of a match. Never stalls.
     virtual Step settle() = 0;
-    /// After each Advance: the hash of the state after tick `tick`. Required, all else rests on it. A tick that was not
-    /// asked for asserts.
+    /// Call it after each Advance with the hash of the state after tick `tick`. A tick that was not requested
+    /// ends the program.
     virtual HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) = 0;
-    /// After each Adopt: whether the state was taken, and its hash.
+    /// Call it after each Adopt with the result and the hash of the state.
     virtual void report_adopted(const Status& taken, std::uint64_t hash) { (void)taken, (void)hash; }
-    /// In order, each tick exactly once. Take all of them before the next advance (asserted).
+    /// The next confirmed tick: each tick exactly once, in order; empty: none. Take all of them before the
+    /// next advance().
     virtual std::optional<ConfirmedTick> next_confirmed() = 0;
-    virtual std::optional<Notice> next_notice() = 0;
+    virtual std::optional<Notice> next_notice() = 0; ///< The next notice, oldest first; empty: none.
 
-    /// This machine wants a peer to leave. Between two machines it has left at the next poll; among more it leaves when most of
-    /// the others want it too, see src/session/README.md. Refuses a machine that is not a peer of this match.
+    /// Votes for a peer to leave. Between two machines it has left at the next poll; among more it leaves
+    /// when most of the others vote so too (src/session/README.md). Error: not a peer of this match.
     virtual Status drop_peer(PeerId peer) = 0;
 
-    /// Whom to ask when a peer holds another state; not owned, null: nobody. False: this session never asks.
+    /// Sets the source of old states for desync reports. Not owned; null: no reports. False: this session
+    /// makes no reports.
     virtual bool set_inspector(StateInspector*) { return false; }
-    /// Asks this one no more. Where another one has been set since, nothing changes.
+    /// Removes this inspector, unless another one was set since.
     virtual void drop_inspector(const StateInspector&) {}
 
-    virtual std::uint64_t current_tick() const = 0; ///< the next new tick
-    /// What tick current_tick() + `offset` would run on by what is known now; `offset` below SessionDef::run_ahead. Empty: nothing is
-    /// shown ahead. Valid until the session's next call.
+    virtual std::uint64_t current_tick() const = 0; ///< The next new tick.
+    /// Predicted inputs [players] of tick current_tick() + `offset`, for SessionDef::run_ahead. Empty:
+    /// `offset` is not below run_ahead, or there is no prediction. Valid until the session's next call.
     virtual std::span<const PlayerInput> look_ahead(std::uint32_t offset) {
         (void)offset;
         return {};
     }
-    virtual std::uint32_t
-    images_max() const = 0; ///< saved states alive at once: ticks t and t + images_max() may share a slot
-    virtual void
-    set_input_delay(std::uint32_t ticks) = 0; ///< 0..32, at any time; lockstep: at least 1 (asserted)
-    virtual PeerQuality quality(PeerId peer) const = 0; ///< of nobody in this match: not connected, all zero
-    virtual const SessionStats& stats() const = 0;
+    /// Number of saved states in use at a time: ticks t and t + images_max() may share a slot.
+    virtual std::uint32_t images_max() const = 0;
+    /// Changes SessionDef::input_delay at any time. A value out of its range ends the program. A longer delay
+    /// repeats an input, a shorter one drops one.
+    virtual void set_input_delay(std::uint32_t ticks) = 0;
+    /// Connection to a peer; all zero for a machine that is not in the match.
+    virtual PeerQuality quality(PeerId peer) const = 0;
+    virtual const SessionStats& stats() const = 0; ///< Valid as long as the session.
 
-    /// Expires when the session is destroyed. A runner compares it before each call.
+    /// Expires when the session is destroyed. SessionRunner checks it before each call.
     std::weak_ptr<const void> lifetime() const { return alive; }
 
   private:
     std::shared_ptr<const void> alive = std::make_shared<std::byte>();
 };
 
-/// Predicts remote inputs, rolls back when it was wrong. Errors name the field of `def` that is out of range.
+/// A session that predicts remote inputs and rolls back after a wrong prediction. The transport is not owned
+/// and must outlive the session. Errors: a field of `def` out of range.
 Result<std::unique_ptr<Session>> make_rollback_session(const SessionDef& def, Transport& transport);
-/// Runs a tick only when all its inputs are here: never loads, never saves. The input delay hides the latency; among three
-/// or more machines the way there and back, since a tick is run only when all others are known to have its inputs too.
+/// A session that runs a tick only when all its inputs have arrived: no prediction, no Load, no Save. The
+/// input delay hides the latency; among three or more machines the round trip, because all others must have
+/// acknowledged the inputs. Transport and errors as above.
 Result<std::unique_ptr<Session>> make_lockstep_session(const SessionDef& def, Transport& transport);
-/// One machine, all players local: every tick, rolls back `depth` ticks (1..64), runs them again and compares hashes.
-/// A tick is confirmed after `depth` re-runs. First runs have status `predicted`, so that a game whose rules read the
-/// status is caught.
+/// A test session on one machine, with local players only. In every tick it rolls back `depth` ticks (1..64),
+/// runs them again and compares hashes. A tick is confirmed after `depth` repetitions. First runs have the
+/// status `predicted`, so that the test detects rules that read the status. Errors: a field of `def` out of
+/// range.
 Result<std::unique_ptr<Session>> make_sync_test_session(const SessionDef& def, std::uint32_t depth);
 
-// ---- executing requests ------------------------------------------------------------------------------------------
+// ---- executing requests -----------------------------------------------------------------------------------
 
-/// What sessions drive: a world and its rules, or a test's stand-in.
+/// The simulation that a runner drives: a world with a game's rules, or a replacement for tests.
 class Simulation {
   public:
     virtual ~Simulation() = default;
-    virtual void save(Image& image) const = 0;
-    virtual void restore(const Image& image) = 0;
-    virtual void advance(std::span<const PlayerInput> inputs) = 0; ///< one tick
-    virtual std::uint64_t hash() const = 0;
-    /// Events of the last tick. A session sorts those that are not in the order of `precedes`, and of equal ones it takes the first.
+    virtual void save(Image& image) const = 0;    ///< Saves the state.
+    virtual void restore(const Image& image) = 0; ///< Restores a saved state.
+    /// Runs one tick with the inputs [players].
+    virtual void advance(std::span<const PlayerInput> inputs) = 0;
+    virtual std::uint64_t hash() const = 0; ///< Hash of the state.
+    /// Events of the last tick; valid until the next call. The runner sorts them by `precedes` if necessary
+    /// and keeps the first of equal ones.
     virtual std::span<const Event> events() const = 0;
-    virtual State& state() = 0; ///< for diagnosis: naming a difference, planting a fault
-    /// Takes a state from outside. On an error, a sentence, the present one stays.
+    virtual State& state() = 0; ///< The state, for memory, reports and tests.
+    /// Replaces the state by a portable image from outside. After an error the state is as before.
     virtual Status adopt(std::span<const std::byte> portable_image) {
         return state().restore_portable(portable_image);
     }
-    /// Takes the state before tick `tick` of the session: a simulation that counts its ticks refuses a state of another tick. Runners call
-    /// this function.
+    /// As adopt(), for the state before tick `tick` of the session. Override it to refuse a state of another
+    /// tick. The runner calls this one.
     virtual Status adopt_at(std::uint64_t tick, std::span<const std::byte> portable_image) {
         (void)tick;
         return adopt(portable_image);
     }
-    /// Runs a tick from the state of `before`, with the hashes of its phases, and leaves the present state and all that listens to
-    /// it alone. Nothing: it cannot, and is driven there and back instead.
+    /// Runs a tick from the state `before` without effect on the present state, journals and observers. Empty
+    /// (the default): not possible; the runner restores, advances and restores instead.
     virtual std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) {
         (void)before, (void)inputs;
         return {};
     }
-    /// Whether ticks from now on note a hash after each of their phases, and those of the last tick.
+    /// Enables hashes after each phase of later ticks.
     virtual void record_phase_hashes(bool) {}
+    /// Hashes of the phases of the last tick; valid until the next call. Default: none.
     virtual std::span<const PhaseHash> phase_hashes() const { return {}; }
 };
 
-/// The world outlives it and stays where it is: to use it afterwards ends the program with a sentence.
+/// A World with the rules of a Game. Both must outlive it, and the World object must not be destroyed or
+/// moved: later use ends the program.
 class WorldSimulation final : public Simulation {
   public:
+    /// Drives `driven` by `rules`.
     WorldSimulation(World& driven, const Game& rules)
         : world(driven), lifetime(driven.lifetime()), game(rules) {}
-    void save(Image& image) const override;
-    void restore(const Image& image) override;
+    void save(Image& image) const override;    ///< World::save()
+    void restore(const Image& image) override; ///< World::restore()
+    /// Calls Game::advance(), then World::tick() if the game did not.
     void advance(std::span<const PlayerInput> inputs) override;
-    std::uint64_t hash() const override;
-    std::span<const Event> events() const override;
-    State& state() override;
-    Status adopt(std::span<const std::byte> portable_image) override; ///< World's checks, then Game::check
-    /// Also refuses a state whose tick_count() is not that of Game::start() and `tick` more.
+    std::uint64_t hash() const override;            ///< World::hash()
+    std::span<const Event> events() const override; ///< World::events()
+    State& state() override;                        ///< The world's state.
+    /// World::restore_portable(), then Game::check().
+    Status adopt(std::span<const std::byte> portable_image) override;
+    /// As adopt(). Error also: the state's tick_count() is not that of Game::start() plus `tick`.
     Status adopt_at(std::uint64_t tick, std::span<const std::byte> portable_image) override;
+    /// Runs the tick in a clone of the world.
     std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) override;
-    void record_phase_hashes(bool on) override;
-    std::span<const PhaseHash> phase_hashes() const override;
-    /// The first error of the rules, for display. The tick was run all the same, on every machine alike; it may have
-    /// rested on a guess that did not come true.
+    void record_phase_hashes(bool on) override;               ///< World::record_phase_hashes()
+    std::span<const PhaseHash> phase_hashes() const override; ///< World::phase_hashes()
+    /// The first error of Game::advance(), for display. The tick ran all the same, equally on every machine.
+    /// It may come from a wrong prediction.
     const Status& failure() const { return first_failure; }
 
   private:
@@ -405,76 +455,90 @@ class WorldSimulation final : public Simulation {
     Status first_failure;
 };
 
-/// Sees the confirmed timeline: every tick once, in order, however often it was run. A replay recorder's place.
+/// Receives the confirmed timeline: every tick once, in order. A replay recorder implements it.
 class ConfirmedSink {
   public:
     virtual ~ConfirmedSink() = default;
+    /// Tick `tick` is confirmed: inputs [players], valid during the call, and the hash of the state after it.
     virtual void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs,
                               std::uint64_t hash) = 0;
 };
 
+/// Certainty of a SessionEvent.
 enum class EventStatus : std::uint8_t {
-    predicted, ///< seen in a tick that may run again: play the sound, spawn the particles
-    confirmed, ///< it happened: count the score. Events first seen in a confirmed tick come with this status only
-    cancelled, ///< it did not happen after all: fade the sound out
+    predicted, ///< its tick may run again: play the sound, spawn the particles
+    confirmed, ///< final: count the score. The only status of an event first seen in a confirmed tick
+    cancelled, ///< it did not happen: fade the sound out
 };
-/// Every predicted event is confirmed or cancelled later, exactly once, under the same id. Two runs of a tick show the
-/// same event when kind, shapes and bodies agree; point and speed may differ, the confirmed ones are true.
+/// An event of a tick. Each predicted event is later confirmed or cancelled exactly once, with the same id.
+/// Two runs of a tick have the same event if its kind, shapes, joint and bodies are equal; point and speed
+/// may differ, the confirmed values are final.
 struct SessionEvent {
-    Event event;
-    EventStatus status;
-    std::uint64_t id; ///< of this machine, never used again
+    Event event;        ///< the event
+    EventStatus status; ///< predicted, confirmed or cancelled
+    std::uint64_t id;   ///< unique on this machine
 };
 
 /// The first difference between two runs of the same tick with the same inputs.
 struct SyncTestFailure {
+    /// The failed comparison.
     enum class When {
-        restored,    ///< loading a state did not bring back what was saved
+        restored,    ///< the restored state differs from the saved one
         resimulated, ///< running the tick again gave another state
-    } when;
-    std::uint64_t tick; ///< restored: before which the state was saved; resimulated: which ran again
-    std::uint64_t first_hash, second_hash;
-    std::vector<Difference> differences; ///< first run left, second run right; at most 8
+    } when;          ///< the failed comparison
+    /// restored: the tick after the saved state; resimulated: the tick itself
+    std::uint64_t tick;
+    std::uint64_t first_hash,            ///< of the first run
+        second_hash;                     ///< of the second run
+    std::vector<Difference> differences; ///< at most 8; left: first run, right: second run
 };
-/// "tick 118, resimulated: column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"
+/// One line: "tick 118, resimulated: column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw
+/// 0x100000)"
 std::string to_string(const SyncTestFailure& failure);
 
+/// Settings of a SessionRunner.
 struct RunnerDef {
-    ConfirmedSink* sink = nullptr; ///< not owned
-    /// How many of the newest states are kept beside what rollbacks need, so that a desync can be named whose first tick lies
-    /// that far back: the round trip, and what lost packets add. Each takes the memory of an image. 0: desyncs name a tick, and
-    /// this machine has no state for those who come (lockstone/session/join.h) or watch from one: they ask another one.
+    ConfirmedSink* sink = nullptr; ///< receives confirmed ticks. Not owned; null: none
+    /// Number of recent states stored in addition to those for rollbacks, for desync reports about ticks that
+    /// far back (round trip and lost packets) and for machines that join or watch. Each takes the memory of
+    /// an image. 0: a Desync has no report, and this machine has no state for machines that join.
     std::uint32_t inspected_ticks = 64;
 };
 
+/// Result of SessionRunner::frame().
 struct Frame {
-    Stall stall;              ///< none: one tick further
+    Stall stall;              ///< none: a new tick ran
     std::uint32_t wait_ticks; ///< Step::wait_ticks
 };
 
-/// Executes a session's requests on a simulation with a ring of images allocated once, and reconciles events. The simulation outlives the
-/// runner. After the session was destroyed, the runner may be destroyed, and any other call ends the program with a sentence. Where
-/// SessionDef::run_ahead is set, the simulation is that far ahead between two calls, and at the present tick when the sink is called, in drain()
-/// and when the runner is destroyed. A call of a runner that was moved from ends the program with a sentence.
+/// Executes the requests of a session on a simulation, with a ring of images allocated once, and tracks the
+/// status of events. The simulation must outlive the runner. After the session was destroyed, or the runner
+/// was moved from, any call except the destructor ends the program. With SessionDef::run_ahead the simulation
+/// is ahead between two calls; it is at the present tick when the sink is called, in drain(), and after the
+/// runner is destroyed.
 class SessionRunner {
   public:
+    /// Allocates the ring: Session::images_max() + inspected_ticks images.
     SessionRunner(Session& session, Simulation& simulation, RunnerDef def = {});
-    SessionRunner(SessionRunner&&) noexcept;
-    SessionRunner& operator=(SessionRunner&&) noexcept;
+    SessionRunner(SessionRunner&&) noexcept;            ///< The other runner is unusable afterwards.
+    SessionRunner& operator=(SessionRunner&&) noexcept; ///< The other runner is unusable afterwards.
     ~SessionRunner();
 
-    Frame frame(std::uint64_t now_ms); ///< poll, advance, execute, confirm
-    /// A frame without a new tick, when wait_ticks asks for it: poll only.
+    /// One frame at time `now_ms` [ms]: poll, advance, execute the requests, pass confirmed ticks to the
+    /// sink.
+    Frame frame(std::uint64_t now_ms);
+    /// A frame with a poll only: call it wait_ticks times in place of frame(). events() is then empty.
     void wait(std::uint64_t now_ms);
-    /// The end of a match: instead of frame(), each frame, until it returns true. No new tick is run; what was run is
-    /// settled, confirmed and handed to the sink. Every machine goes on to the same tick first (Session::current_tick),
-    /// and gives inputs up to there: what is not given is never confirmed.
+    /// Ends a match: call it in place of frame() in each frame until it returns true. It runs no new tick,
+    /// and confirms those that ran. Every machine must have reached the same Session::current_tick() before,
+    /// with inputs up to there; otherwise the last ticks are never confirmed.
     bool drain(std::uint64_t now_ms);
-    /// Of the last frame: by tick, then in the order of the tick's events.
+    /// Events that are new or changed their status in the last frame: by tick, then by `precedes`. Valid
+    /// until the next frame(), wait() or drain().
     std::span<const SessionEvent> events() const;
-    /// What the session asks where states part.
+    /// Access to old states, for SpectatorHost::set_states(). Valid as long as the runner.
     StateInspector& inspector();
-    /// The first failure of a sync test; null while there is none.
+    /// The first failure of a sync test; null: none. Valid as long as the runner.
     const SyncTestFailure* sync_failure() const;
 
   private:
