@@ -1,13 +1,14 @@
-// Joints: they hold two bodies together, axis by axis.
+// Joints: constraints between two bodies, defined axis by axis.
 //
-// Every joint stands between a frame on body A and a frame on body B. Most kinds are a table of six axes, three along
-// and three about the axes of A's frame, each locked, limited or free, with a spring, a motor and friction of its own:
+// Every joint connects a frame on body A with a frame on body B. Most kinds are a table of six axes, three
+// along and three about the axes of A's frame. Each axis is locked, limited or free, and can have a spring, a
+// motor and friction:
 //
 //   JointDef door = hinge_joint();
 //   door.axis[about_x].mode = AxisMode::limited, door.axis[about_x].upper = 1.5_r;
 //   world.create_joint(door, frame, leaf, {.position = hinge, .rotation = Quat::identity()});
 //
-// Where two bodies stand when the joint is made is the zero of its coordinates, if both frames are the same place.
+// Coordinates measure frame B relative to frame A: they are zero where both frames coincide.
 #pragma once
 
 #include "lockstone/ids.h"
@@ -19,89 +20,116 @@
 
 namespace lockstone {
 
+/// Kind of a joint. Directions are those of the joint's frames.
 enum class JointKind : std::uint32_t {
-    six_dof,  ///< any table of axes
-    ball,     ///< along x y z locked; about x is the twist, `swing` the cone that B's x axis stays in
-    hinge,    ///< turns about x
-    slider,   ///< slides along x
-    weld,     ///< nothing moves; soft with a frequency on its axes
-    wheel,    ///< slides along y (suspension), steers about y, spins about B's x
-    motor,    ///< locks nothing; springs and motors drive B to a pose relative to A
-    mouse,    ///< pulls a point of B to a point of A or the world with a bounded force
-    distance, ///< axis[0] is the line between the origins of the frames: rigid, rope (limited above), spring
-    pulley,   ///< |ground_a - A| + ratio |ground_b - B| is kept at axis[0].target, or below it when limited
-    gear,     ///< turn of A about its x + ratio * turn of B about its x stays what it was
-    rack_and_pinion, ///< turn of A about its x = ratio * way of B along its x
+    six_dof, ///< any combination of axes
+    /// position locked; twist about x, and `swing`: the maximum angle between the x axes of A and B
+    ball,
+    hinge,    ///< rotation about x
+    slider,   ///< translation along x
+    weld,     ///< all axes locked; soft if they have a frequency
+    wheel,    ///< translation along y (suspension), rotation about y (steering) and about B's x (spin)
+    motor,    ///< no locks; springs and motors drive B to a pose relative to A
+    mouse,    ///< pulls a point of B to a point of A or of the world with limited force
+    distance, ///< axis[0] is the distance of the frames' origins: rod, rope (upper limit) or spring
+    /// |ground_a - A| + ratio |ground_b - B| is equal to axis[0].target, or limited by axis[0].upper
+    pulley,
+    gear,            ///< keeps (angle of A about its x) + ratio * (angle of B about its x)
+    rack_and_pinion, ///< angle of A about its x = ratio * (translation of B along its x)
 };
 
+/// Constraint of a joint axis.
 enum class AxisMode : std::uint32_t {
-    locked,  ///< stays at zero; softly if it has a frequency
-    limited, ///< stays between lower and upper
-    free,
+    locked,  ///< held at zero (distance, pulley: at `target`); soft if it has a frequency
+    limited, ///< held between `lower` and `upper`
+    free,    ///< not constrained; spring, motor and friction may act
 };
 
 /// Index of JointDef::axis.
-enum JointAxisIndex : std::uint32_t { along_x, along_y, along_z, about_x, about_y, about_z };
-inline constexpr std::uint32_t joint_axis_count = 6;
+enum JointAxisIndex : std::uint32_t {
+    along_x, ///< translation along x
+    along_y, ///< translation along y
+    along_z, ///< translation along z
+    about_x, ///< rotation about x
+    about_y, ///< rotation about y
+    about_z  ///< rotation about z
+};
+inline constexpr std::uint32_t joint_axis_count = 6; ///< length of JointDef::axis
 
-/// One of six. Lengths in m and forces in N along an axis; angles in rad and torques in N m about it.
+/// One axis of a joint. Along an axis: lengths [m] and forces [N]. About an axis: angles [rad] and torques [N
+/// m].
 struct JointAxis {
-    AxisMode mode = AxisMode::locked;
-    /// 1: pulled to `target` with frequency and damping_ratio. Springs about all three axes pull to the rotation vector
-    /// (target x, y, z) as a whole; fewer pull each angle alone.
+    AxisMode mode = AxisMode::locked; ///< locked, limited or free
+    /// 1: a spring pulls to `target`; it needs a frequency above 0. Springs about all three axes pull to the
+    /// rotation vector (target x, y, z); one or two pull each angle separately.
     std::uint32_t spring = 0;
-    Real lower{},
-        upper{};      ///< of a limited axis: within 1e6 m; about x within 1e6 rad, about y and z within pi
-    Real frequency{}; ///< [Hz], 0..1000: of the spring, or of a lock that is soft; 0: none, or rigid
-    Real damping_ratio = Real(1); ///< 0..100
-    Real target{};                ///< of the spring [m] or [rad]
-    Real motor_speed{};           ///< [m/s] or [rad/s], within 500
-    Real motor_force{};           ///< most that the motor pulls with [N] or [N m], 0: no motor
-    Real friction{};     ///< brakes motion with at most this [N] or [N m]; not where there is a motor
-    Real spring_force{}; ///< most of the spring [N] or [N m], 0: no bound
+    Real lower{},                 ///< lower limit of a limited axis, within 1e6; about y and z within pi
+        upper{};                  ///< upper limit, not below `lower`, same range
+    Real frequency{};             ///< of the spring or of a soft lock [Hz], 0..1000; 0: no spring, rigid lock
+    Real damping_ratio = Real(1); ///< of the spring or soft lock, 0..100; 1: critical
+    Real target{};                ///< of the spring; distance and pulley: the length. Same range as limits
+    Real motor_speed{};           ///< target speed of the motor [m/s] or [rad/s], within 500
+    Real motor_force{};           ///< maximum force of the motor [N] or [N m], 0..2e9; 0: no motor
+    Real friction{};              ///< maximum friction [N] or [N m], 0..2e9; ignored with a motor
+    Real spring_force{};          ///< maximum force of the spring [N] or [N m], 0..2e9; 0: unlimited
 };
 
-/// Bodies: A may be null, then frame_a is a place in the world. B never is.
+/// Definition of a joint.
 struct JointDef {
-    JointKind kind = JointKind::six_dof;
-    std::uint32_t collide_connected = 0; ///< 1: the two bodies may touch each other
-    BodyId body_a{}, body_b{};
-    Transform frame_a =
-        Transform::identity(); ///< in the body's axes, from its origin; within 1e6 m, in the world 1e9 m
-    Transform frame_b = Transform::identity();
-    std::array<JointAxis, joint_axis_count> axis{};
-    Real swing{};         ///< ball: B's x axis stays within this angle of A's [rad], 0: anywhere; below pi
-    Real ratio = Real(1); ///< pulley, gear [1], rack and pinion [rad/m]; 0.001..1000 in magnitude
-    Vec3 ground_a{}, ground_b{}; ///< pulley: where the rope leaves A and B for its other end, world [m]
-    Real break_force{};          ///< [N]: more for one tick breaks the joint, 0: unbreakable
-    Real break_torque{};         ///< [N m]
-    std::uint64_t user_key = 0;  ///< the game's own; hashed, never read
+    JointKind kind = JointKind::six_dof; ///< kind of the joint
+    std::uint32_t collide_connected = 0; ///< 1: the two bodies collide with each other
+    /// first body; null: the world (not for pulley, gear, rack and pinion)
+    BodyId body_a{}, body_b{}; ///< second body; not null, not body_a
+    /// Frame on A, from the body's origin in its axes [m], within 1e6; without body_a in the world, within
+    /// 1e9.
+    Transform frame_a = Transform::identity();
+    Transform frame_b = Transform::identity();      ///< frame on B, as frame_a
+    std::array<JointAxis, joint_axis_count> axis{}; ///< [JointAxisIndex]; default: all locked
+    Real swing{};         ///< ball: maximum angle between the x axes [rad], below pi; 0: no limit
+    Real ratio = Real(1); ///< pulley, gear [1], rack and pinion [rad/m]; magnitude 0.001..1000
+    Vec3 ground_a{},      ///< pulley: fixed point of the rope to A, world [m], within 1e9
+        ground_b{};       ///< pulley: fixed point of the rope to B, world [m], within 1e9
+    Real break_force{};   ///< a larger force in a tick destroys the joint [N], 0..2e9; 0: unbreakable
+    /// a larger torque in a tick destroys the joint [N m], 0..2e9; 0: unbreakable
+    Real break_torque{};
+    std::uint64_t user_key = 0; ///< value for the game; hashed, not used
 };
 
-JointDef six_dof_joint(); ///< all axes free
-JointDef ball_joint();
-JointDef hinge_joint();
-JointDef slider_joint();
-JointDef weld_joint(Real frequency = {}, Real damping_ratio = Real(1)); ///< [Hz], 0: rigid
-/// A suspension that gives with `frequency` [Hz] and steers only with axis[about_y] freed or limited.
+// Definitions of each kind, without bodies and frames. World::create_joint() checks the ranges.
+JointDef six_dof_joint(); ///< All axes free.
+JointDef ball_joint();    ///< Position locked, rotation free.
+JointDef hinge_joint();   ///< All locked except rotation about x.
+JointDef slider_joint();  ///< All locked except translation along x.
+/// All axes locked; soft for a frequency [Hz] above 0.
+JointDef weld_joint(Real frequency = {}, Real damping_ratio = Real(1));
+/// A spring suspension along y with `frequency` [Hz], and free spin about x. To steer, set axis[about_y] to
+/// free or limited.
 JointDef wheel_joint(Real frequency, Real damping_ratio);
+/// Springs on all axes with `frequency` [Hz], limited to force_max [N] and torque_max [N m].
 JointDef motor_joint(Real frequency, Real force_max, Real torque_max);
+/// Springs along all axes with `frequency` [Hz], limited to force_max [N]; rotation free.
 JointDef mouse_joint(Real frequency, Real force_max);
-JointDef distance_joint(Real length);
-JointDef rope_joint(Real length); ///< the bodies get no farther apart [m]
+JointDef distance_joint(Real length); ///< A rod: constant distance [m].
+JointDef rope_joint(Real length);     ///< A rope: maximum distance [m].
+/// A spring of rest length [m] with `frequency` [Hz].
 JointDef spring_joint(Real length, Real frequency, Real damping_ratio);
+/// A pulley with a rope of total_length [m].
 JointDef pulley_joint(Vec3 ground_a, Vec3 ground_b, Real total_length, Real ratio = Real(1));
-JointDef gear_joint(Real ratio);
-JointDef rack_and_pinion_joint(Real radians_per_metre);
+JointDef gear_joint(Real ratio);                        ///< A gear.
+JointDef rack_and_pinion_joint(Real radians_per_metre); ///< A rack (B) and a pinion (A) [rad/m].
+/// "rack_and_pinion"; "unknown" for any other value. Static string.
 const char* name_of(JointKind kind);
 
-/// What a joint does after the last tick.
+/// Coordinates and load of a joint: World::joint_state().
 struct JointState {
-    std::array<Real, joint_axis_count> position; ///< [m], [rad]: of the axes; about x counts whole turns
-    Vec3 force;                                  ///< on B, at B's frame, world axes [N]
-    Vec3 torque;                                 ///< on B, world axes [N m]
+    /// Coordinates in the present poses [JointAxisIndex, m or rad]. about_x counts whole turns. Distance and
+    /// pulley: [along_x] is the length. Gear, rack and pinion: [about_x] is the error.
+    std::array<Real, joint_axis_count> position;
+    Vec3 force;  ///< force of the last tick on B, at B's frame, world axes [N]
+    Vec3 torque; ///< torque of the last tick on B, world axes [N m]
 };
 
+/// Field list of JointAxis with ranges; see lockstone/row.h.
 template <class V> constexpr void describe(JointAxis& a, V&& v) {
     constexpr In<Real> reach = in(-1000000_r, 1000000_r, " m or rad"),
                        force = in(0_r, 2000000000_r, " N or N m");
@@ -117,6 +145,7 @@ template <class V> constexpr void describe(JointAxis& a, V&& v) {
     field(v, "friction", a.friction, force);
     field(v, "spring_force", a.spring_force, force);
 }
+/// Field list of JointDef with ranges; see lockstone/row.h.
 template <class V> constexpr void describe(JointDef& d, V&& v) {
     field(v, "kind", d.kind, in(0, 11));
     field(v, "collide_connected", d.collide_connected, no_or_yes);

@@ -1,60 +1,69 @@
-// Questions to a world that change nothing: casts, overlaps, distances.
+// Queries: ray casts, shape casts, overlaps and distances. They change no state.
 //
 //   if (auto hit = world.cast_ray({eye, 50_r * forward})) aim_at(hit->point);
 //   std::vector<QueryHit> hits;
-//   world.cast_ray_all({eye, way}, {.mask = enemies}, hits);           sorted by distance, then shape id, then feature
+//   world.cast_ray_all({eye, 50_r * forward}, {.mask = enemies}, hits);   sorted by distance, id, feature
 //
-// Answers are pure functions of the state and come in a total order. They see the world as it is between ticks:
-// commands since the last tick count. Each shape gives one hit, its first.
+// Results are pure functions of the state in a total order. Commands since the last tick are taken into
+// account. Each shape gives at most one hit, its first.
 //
-// What makes no sense gets an empty answer: a way longer than query_length_max, a geometry that `validate` refuses or whose
-// asset is not there, one with triangles or a plane as what is cast, dead ids. A rotation is normalised first.
+// A query with a senseless argument returns an empty result: a translation longer than query_length_max, a
+// geometry that validate() refuses or without its asset, a mesh, height field or plane as the moving
+// geometry, a dead id. Rotations are normalised first.
 //
-// Of a mesh or height field only the surface counts, and of a one-sided triangle (all those of height fields) only the front.
-// Planes and convex shapes are solid: what starts inside hits at once, with fraction 0 and a zero normal.
+// Meshes and height fields are surfaces; of a one-sided triangle (all of a height field) only the front is
+// hit. Planes and convex shapes are solid: a cast that starts inside hits at once, with fraction 0 and a zero
+// normal.
 #pragma once
 
 #include "lockstone/command.h"
 
 namespace lockstone {
 
-inline constexpr Real query_length_max = Real(16000); ///< [m]
+inline constexpr Real query_length_max = Real(16000); ///< limit of casts and distances [m]
 
+/// Selects the shapes of a query. Groups and pair filters do not apply.
 struct QueryFilter {
-    std::uint32_t category =
-        0xffffffffu; ///< a shape is seen when (category & shape.mask) and (mask & shape.category)
-    std::uint32_t mask = 0xffffffffu;
-    std::uint32_t kinds = 7;   ///< bit 0: static, 1: kinematic, 2: dynamic bodies
-    std::uint32_t sensors = 0; ///< 1: sensors are seen too
-    BodyId ignore{};           ///< this body's shapes are not seen
-    /// 0: a cast does not see a shape that it overlaps where it starts, even where its way leads into another part of that shape
+    /// Category bits of the query: a shape is included if its mask and this have a common bit, and `mask` and
+    /// its category too.
+    std::uint32_t category = 0xffffffffu;
+    std::uint32_t mask = 0xffffffffu; ///< category bits of shapes to include
+    std::uint32_t kinds = 7;          ///< included bodies: bit 0 static, bit 1 kinematic, bit 2 dynamic
+    std::uint32_t sensors = 0;        ///< 1: includes sensors
+    BodyId ignore{};                  ///< excludes the shapes of this body; null: none
+    /// 0: a cast ignores each shape that it overlaps at its start, also where it would hit another part of it
+    /// later.
     std::uint32_t overlaps = 1;
 };
 
+/// A ray segment.
 struct Ray {
-    Vec3 from;        ///< world [m]
-    Vec3 translation; ///< to the end [m], at most query_length_max long; zero asks what is at the point
+    Vec3 from;        ///< start, world [m]
+    Vec3 translation; ///< from start to end [m], at most query_length_max long; zero: a point test
 };
 
+/// A hit of a cast, or the nearest point of World::nearest().
 struct QueryHit {
-    ShapeId shape;
-    BodyId body;
-    Real distance;   ///< casts: travelled [m]; nearest points: between the surfaces, 0 when they overlap
-    Unit fraction;   ///< casts: of the translation
-    Vec3 point;      ///< on the shape's surface, world [m]
-    UnitVec3 normal; ///< of the shape's surface; zero when they overlap at the start
-    std::uint32_t feature; ///< triangle of a mesh or height field as baked, part of a compound, else 0
-    SurfacePart part;
+    ShapeId shape; ///< the shape that is hit
+    BodyId body;   ///< its body
+    /// casts: travelled distance [m]; nearest(): gap between the surfaces [m], 0: overlap
+    Real distance;
+    Unit fraction;         ///< casts: travelled part of the translation, 0..1; nearest(): 0
+    Vec3 point;            ///< on the surface of the shape, world [m]
+    UnitVec3 normal;       ///< surface normal of the shape; zero: overlap at the start
+    std::uint32_t feature; ///< triangle index of the baked mesh or height field, part of a compound, else 0
+    SurfacePart part;      ///< source triangle or cell, and material
 };
 
-/// Where two shapes are nearest to each other.
+/// Nearest points of two shapes.
 struct ShapeDistance {
-    Real distance;   ///< [m]; 0 when they overlap
-    Vec3 on_a, on_b; ///< world [m]; the same point when they overlap
-    UnitVec3 normal; ///< from a to b; zero when they overlap
+    Real distance;   ///< [m]; 0: overlap
+    Vec3 on_a,       ///< nearest point on a, world [m]
+        on_b;        ///< nearest point on b, world [m]; equal to on_a if they overlap
+    UnitVec3 normal; ///< from a to b; zero: overlap
 };
 
-/// Order of several hits: distance, shape id, feature.
+/// Order of hits: by distance, shape id, feature.
 constexpr bool operator<(const QueryHit& a, const QueryHit& b) {
     if (a.distance != b.distance) return a.distance < b.distance;
     if (a.shape != b.shape) return a.shape < b.shape;
