@@ -30,10 +30,9 @@ struct Event {
     std::uint32_t reserved; ///< 0
     ShapeId shape_a,        ///< contacts: the smaller id; sensors: the sensor; character_landed: the capsule
         shape_b;            ///< the other shape
-    /// body of shape_a, null if an end event's shape was destroyed; or the body itself
-    BodyId body_a,
-        body_b;    ///< body of shape_b, as body_a; or the joint's second body
-    JointId joint; ///< joint_break: the destroyed joint; else null
+    BodyId body_a,          ///< body of shape_a (null: shape destroyed), or the body of the event
+        body_b;             ///< body of shape_b as body_a, or the second body of the joint
+    JointId joint;          ///< joint_break: the destroyed joint; else null
     /// contact point, or centre of mass of body_b for joint_break, world [m]; else zero
     Vec3 point;
     UnitVec3 normal;      ///< from a to b; zero for end and sensor events

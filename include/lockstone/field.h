@@ -1,20 +1,24 @@
-// Force fields, fluids and explosions: what acts on bodies from afar.
+// Force fields, fluids and explosions.
 //
-//   world.create_field(water({.kind = RegionKind::box, .pose = {{0_r, -2_r, 0_r}, Quat::identity()}, .half_extent = {9_r, 2_r, 9_r}}));
+//   Region pool{.kind = RegionKind::box, .pose = {{0_r, -2_r, 0_r}, Quat::identity()},
+//               .half_extent = {9_r, 2_r, 9_r}};
+//   world.create_field(water(pool));
 //   world.create_field(wind({6_r, 0_r, 0_r}));                     everywhere, 6 m/s along x
 //   world.explode({.center = {0_r, 1_r, 0_r}, .radius = 8_r, .impulse = 400_r});
 //
-// Fields of acceleration add up; whether a body is in a region is asked of its centre of mass.
+// Acceleration fields (point gravity, spring, uniform) add up. A body is in a region if its centre of mass
+// is.
 //
-// Fluids act on shapes, not on bodies. A shape is in a region when its centre of volume is; but the top of a box region, the
-// side of its local +y, is a surface that cuts shapes: a box in water 4 m deep ends where the water does.
-//   buoyancy   weight of the fluid displaced, at the centre of what is under the surface, against gravity and the
-//              fields of acceleration there
-//   drag       force (drag_linear + drag_quadratic v) v A on the area A that the shape shows to the stream, times the
-//              share of it that is under, at that area's centre: it turns bodies. v: speed through the stream
-//   turning    drag_angular A / mass [1/s] brakes turning
-// Where fluids overlap, those of the highest priority take a shape's part in them, and what is left is in those of lower
-// priority; equal ones add up. So the wind blows on the part that is out of the water.
+// Fluids act on shapes. A shape is in a region if its centre of volume is, with one exception: the top of a
+// box region (local +y) is the surface of the fluid and cuts shapes.
+//   buoyancy   weight of the displaced fluid, against gravity and the acceleration fields there. It acts at
+//              the centre of the submerged volume
+//   drag       force (drag_linear + drag_quadratic v) v A, with v the speed relative to the stream and A the
+//              submerged part of the area that the shape exposes to the stream. It acts at the centre of that
+//              area, so it turns bodies
+//   turning    damping of the angular velocity by drag_angular A / mass [1/s]
+// Where fluids overlap, the one with the highest priority acts on the part of a shape that is in it, and
+// lower ones on the rest; fluids of equal priority add up. So wind acts on the part above the water.
 #pragma once
 
 #include "lockstone/row.h"
@@ -23,43 +27,51 @@
 
 namespace lockstone {
 
-enum class RegionKind : std::uint32_t { everywhere, box, sphere };
-
-struct Region {
-    RegionKind kind = RegionKind::everywhere;
-    std::uint32_t reserved = 0;
-    Transform pose = Transform::identity(); ///< of its centre
-    Vec3 half_extent{}; ///< of a box, in its axes [m], 0.001..1e6 each; a sphere's radius is x
+/// Form of a region.
+enum class RegionKind : std::uint32_t {
+    everywhere, ///< the whole world
+    box,        ///< a box with any rotation
+    sphere      ///< a ball
 };
 
+/// A part of space.
+struct Region {
+    RegionKind kind = RegionKind::everywhere; ///< form
+    std::uint32_t reserved = 0;               ///< 0
+    Transform pose = Transform::identity();   ///< of the centre, world [m], within 1e9 on each axis
+    Vec3 half_extent{};                       ///< box: half extents [m]; sphere: x is the radius; 0.001..1e6
+};
+
+/// Effect of a force field.
 enum class FieldKind : std::uint32_t {
-    point_gravity, ///< acceleration strength / r^2 towards the centre, strength = G M [m^3/s^2]
-    spring,        ///< acceleration strength * r towards the centre, strength = omega^2 [1/s^2]
-    uniform,       ///< the same acceleration everywhere in the region
+    point_gravity, ///< acceleration strength / r^2 towards the centre; strength = G M [m^3/s^2]
+    spring,        ///< acceleration strength * r towards the centre; strength = omega^2 [1/s^2]
+    uniform,       ///< constant acceleration
     fluid,         ///< buoyancy and drag: water, wind, mud
 };
 
-/// Acts on dynamic bodies that enable fields, within the region.
+/// Definition of a force field. It acts in its region on dynamic bodies with BodyDef::enable_fields.
 struct FieldDef {
-    FieldKind kind = FieldKind::point_gravity;
-    std::uint32_t mask =
-        0xffffffffu;       ///< categories of shapes it acts on; a field of acceleration acts on a body when
-                           ///< one of its shapes is of them. All bits: on bodies without shapes too
-    Vec3 center{};         ///< [m], of point gravity and spring
-    Real strength{};       ///< see FieldKind; within 1e8
-    Real softening{};      ///< [m], 0..30000; r^2 + softening^2 replaces r^2 of point gravity
-    Vec3 acceleration{};   ///< of a uniform field [m/s^2], each component within 1000
-    Vec3 velocity{};       ///< of a fluid's stream [m/s], at most 500 long
-    Real density{};        ///< of a fluid, for buoyancy [kg/m^3], 0..1e5
-    Real drag_linear{};    ///< [kg/(m^2 s)], 0..1e6
-    Real drag_quadratic{}; ///< [kg/m^3], 0..1e6: half of density times drag coefficient
-    Real drag_angular{};   ///< [kg/(m^2 s)], 0..1e6
-    std::int32_t priority = 0; ///< of a fluid among those that overlap
-    std::uint32_t reserved = 0;
-    Region region{};
+    FieldKind kind = FieldKind::point_gravity; ///< selects the fields below that apply
+    /// Categories of shapes that the field acts on. An acceleration field acts on a body if one of its shapes
+    /// has such a category; with all bits set, on bodies without shapes too.
+    std::uint32_t mask = 0xffffffffu;
+    Vec3 center{};              ///< point gravity, spring: world [m], within 1e9 on each axis
+    Real strength{};            ///< point gravity, spring: see FieldKind, within 1e8
+    Real softening{};           ///< point gravity: r^2 + softening^2 replaces r^2 [m], 0..30000
+    Vec3 acceleration{};        ///< uniform: [m/s^2], each component within 1000
+    Vec3 velocity{};            ///< fluid: stream [m/s], at most 500 long
+    Real density{};             ///< fluid: for buoyancy [kg/m^3], 0..1e5
+    Real drag_linear{};         ///< fluid: [kg/(m^2 s)], 0..1e6
+    Real drag_quadratic{};      ///< fluid: half of density times drag coefficient [kg/m^3], 0..1e6
+    Real drag_angular{};        ///< fluid: [kg/(m^2 s)], 0..1e6
+    std::int32_t priority = 0;  ///< fluid: the highest wins where fluids overlap
+    std::uint32_t reserved = 0; ///< 0
+    Region region{};            ///< where it acts; default: everywhere
 };
 
-/// Fresh water: a cube has a drag coefficient of 1; waves it would make are in the linear terms.
+/// Fresh water with priority 1. The quadratic drag is that of a cube (coefficient 1); the linear drag
+/// approximates losses by waves.
 constexpr FieldDef water(const Region& region) {
     FieldDef d;
     d.kind = FieldKind::fluid;
@@ -70,7 +82,8 @@ constexpr FieldDef water(const Region& region) {
     d.region = region;
     return d;
 }
-/// Air that moves at `velocity` [m/s], or stands still; without its buoyancy.
+/// Air that moves at `velocity` [m/s], without buoyancy, priority 0. A zero velocity gives air resistance
+/// only.
 constexpr FieldDef wind(Vec3 velocity, const Region& region = {}) {
     FieldDef d;
     d.kind = FieldKind::fluid;
@@ -80,24 +93,28 @@ constexpr FieldDef wind(Vec3 velocity, const Region& region = {}) {
     return d;
 }
 
+/// Strength of an explosion over the distance.
 enum class Falloff : std::uint32_t {
-    none,           ///< the same up to the radius
-    linear,         ///< to nothing at the radius, by the distance of the box around the shape
-    inverse_square, ///< (core / r)^2 beyond the core, none beyond the radius
+    none,           ///< constant up to the radius
+    linear,         ///< falls to zero at the radius, by the distance of the shape's bounding box
+    inverse_square, ///< constant within the core, then (core / r)^2 up to the radius
 };
 
-/// A blast hits each shape on the area it shows to the centre, away from it, at that area's centre; the area counts
-/// up to the blast's own, pi radius^2. r is measured to the shape's centre of volume, and a shape is hit when the box around
-/// it comes within the radius; one whose centre is the blast's is not moved. No shape shields another.
+/// Definition of an explosion. It acts on each convex part of a shape whose bounding box is within the
+/// radius: with impulse times the area exposed to the centre, at most pi radius^2, at the centre of that area
+/// and away from the explosion. r is the distance to the part's centre of volume; a part with r = 0 is not
+/// moved. Shapes do not shield each other. Sensors, static and kinematic bodies are not affected.
 struct ExplosionDef {
-    Vec3 center{};         ///< [m]
-    Real radius = Real(1); ///< [m], 0.001..30000
-    Real impulse{};        ///< per area [N s/m^2], within 1e8; negative: an implosion
-    Real core = Real(1);   ///< [m], 0.001..30000, of Falloff::inverse_square
-    Falloff falloff = Falloff::inverse_square;
-    std::uint32_t mask = 0xffffffffu; ///< categories of shapes it hits
+    Vec3 center{};                             ///< world [m], within 1e9 on each axis
+    Real radius = Real(1);                     ///< maximum distance [m], 0.001..30000
+    Real impulse{};                            ///< impulse / area [N s/m^2], within 1e8; negative: implosion
+    Real core = Real(1);                       ///< of Falloff::inverse_square [m], 0.001..30000
+    Falloff falloff = Falloff::inverse_square; ///< strength over the distance
+    std::uint32_t mask = 0xffffffffu;          ///< categories of affected shapes
 };
 
+/// Field list with ranges; see lockstone/row.h.
+///@{
 template <class V> constexpr void describe(Region& r, V&& v) {
     field(v, "kind", r.kind, in(0, 2));
     field(v, "reserved", r.reserved, always_zero);
@@ -128,5 +145,6 @@ template <class V> constexpr void describe(ExplosionDef& d, V&& v) {
     field(v, "falloff", d.falloff, in(0, 2));
     v("mask", d.mask);
 }
+///@}
 
 } // namespace lockstone

@@ -1,7 +1,9 @@
-// A player's input as a struct of the game, and as the bytes that sessions, replays and packets carry.
+// Conversion of a game's input struct to the bytes of sessions, replays and packets, and back.
 //
 //   struct Pad { std::int16_t x, y; std::uint32_t buttons; };
-//   template <class V> constexpr void describe(Pad& p, V&& v) { v("x", p.x), v("y", p.y), v("buttons", p.buttons); }
+//   template <class V> constexpr void describe(Pad& p, V&& v) {
+//       v("x", p.x), v("y", p.y), v("buttons", p.buttons);
+//   }
 //
 //   std::uint32_t MyGame::input_size() const { return input_size_of<Pad>; }
 //   session.add_local_input(0, encode_input(pad));
@@ -15,7 +17,7 @@
 namespace lockstone {
 
 namespace detail {
-/// Calls visit(unsigned image of a leaf, its size) and stores what comes back.
+/// Calls visit(bits of a field, its size) and stores the returned bits.
 template <StateRow T, class Visit> constexpr void for_each_leaf_bits(T& value, Visit&& visit) {
     for_each_leaf(value, [&](auto& leaf) {
         using L = std::remove_reference_t<decltype(leaf)>;
@@ -28,9 +30,11 @@ template <StateRow T, class Visit> constexpr void for_each_leaf_bits(T& value, V
 }
 } // namespace detail
 
+/// Bytes of an input struct, for Game::input_size().
 template <StateRow T> inline constexpr std::uint32_t input_size_of = static_cast<std::uint32_t>(sizeof(T));
 
-/// The canonical bytes: every leaf in order, little-endian. The same on every machine.
+/// The canonical bytes of an input: every field in order, little-endian, equal on every machine. At most 64
+/// bytes; a larger struct does not compile.
 template <StateRow T> constexpr std::array<std::byte, sizeof(T)> encode_input(T input) {
     static_assert(sizeof(T) <= 64, "an input has at most 64 bytes, see Game::input_size");
     std::array<std::byte, sizeof(T)> out{};
@@ -42,8 +46,9 @@ template <StateRow T> constexpr std::array<std::byte, sizeof(T)> encode_input(T 
     return out;
 }
 
-/// The reverse. Bytes come from other players: any value of any field is possible, enums included; the game clamps.
-/// An input of another size (none that a session hands out) reads as all zero.
+/// The input struct of canonical bytes. The bytes come from other players, so every field, enums included,
+/// can have any value: the game must clamp it. All zero if the size differs; a session never returns such an
+/// input.
 template <StateRow T> constexpr T decode_input(std::span<const std::byte> bytes) {
     T out{};
     if (bytes.size() != sizeof(T)) return out;
@@ -55,6 +60,7 @@ template <StateRow T> constexpr T decode_input(std::span<const std::byte> bytes)
     });
     return out;
 }
+/// decode_input() of input.bytes.
 template <StateRow T> constexpr T decode_input(const PlayerInput& input) {
     return decode_input<T>(input.bytes);
 }

@@ -59,9 +59,9 @@ inline constexpr LengthVec3 scale_one{Length::from_raw(1 << 24), Length::from_ra
 /// `scale` multiplies the sizes and cannot mirror:
 ///   primitives       1, 2, 4 or 8, equal on all axes; multiplies half_extent and radius. Other than 1 for
 ///                    static bodies only: sizes up to 800 m
-///   hull             1/128 .. 100 for each axis; radius is not scaled. The result, with its rounding, must be
-///                    within 100 m of the origin on each axis and at least 5 mm thick
-///   mesh, height f.  1/128 .. 100 for each axis; the result must be within 8000 m of the origin on each axis
+///   hull             1/128 .. 100 for each axis; radius is not scaled. The result, with its rounding, must
+///                    be within 100 m of the origin on each axis and at least 5 mm thick
+///   mesh, height f.  1/128 .. 100 for each axis; the result must be within 8000 m of the origin
 ///   compound, plane  1
 struct Geometry {
     ShapeKind kind;               ///< selects the fields below

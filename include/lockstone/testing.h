@@ -1,4 +1,4 @@
-// For tests and proofs alone: a look behind a world's contract. Games do not include it.
+// Access to the internals of a world, for tests and proofs. Games do not include it.
 #pragma once
 
 #include "lockstone/world.h"
@@ -10,36 +10,37 @@
 
 namespace lockstone::testing {
 
-/// What ticks leave behind outside of the state, and no later one may see.
+/// Data outside the state that a tick leaves behind. It must not affect later ticks.
 enum class Leftover : std::uint32_t {
-    scratch, ///< memory that is written before it is read: filled with some byte
-    trees,   ///< the shapes of the broad phase's trees: made anew, in random order or wholly at random
-    pairs,   ///< which pairs were found already: some are forgotten, and found again in another order
+    scratch, ///< scratch memory: filled with a byte
+    trees,   ///< broad-phase trees: rebuilt in random order or with random structure
+    pairs,   ///< cached pairs: some are removed, so that they are found again in another order
 };
 
-/// Changes one of these leftovers; `seed` chooses how. No hash and no answer of the world depends on it. A value that is none of the
-/// three does nothing.
+/// Changes leftover data; `seed` selects how. No hash and no query result depends on it. Any other value of
+/// `what` has no effect.
 void disturb(World& world, Leftover what, std::uint64_t seed);
-/// The block itself, for planted faults. No check sees what is written there.
+/// The state of a world for writing, without any check: for planted faults. Valid as long as the world.
 State& state_of(World& world);
 
-/// Execution paths between which a tick chooses by sizes, workers, lanes and caches; all give the same bits. Bit k is the path path_names()[k].
+/// Set of execution paths. A tick selects paths by sizes, workers, lanes and caches; all of them give equal
+/// bits. Bit k is path_names()[k].
 using PathSet = std::bitset<192>;
-/// Names of the paths. The sides of a choice follow one another.
+/// Names of the paths; alternatives are neighbours. Static memory.
 std::span<const std::string_view> path_names();
-/// The paths that the last tick of a world took. Empty before its first tick. A clone begins without paths.
+/// The paths of a world's last tick. Empty before its first tick, and in a clone.
 PathSet paths_taken(const World& world);
 
-/// A sentence about the first contact, joint or vehicle that the plans of the last tick take out of the order of solving; empty: there is none. Right after a
-/// tick; disturb() overwrites what this reads.
+/// Checks the solving order of the last tick: a sentence about the first contact, joint or vehicle out of
+/// order; empty: none. Call it right after a tick, before disturb().
 std::string order_fault(const World& world);
 
-/// How many worlds self_test() of lockstone/prove.h runs, and for how many ticks each.
-inline constexpr std::uint32_t self_test_worlds = 20, self_test_ticks = 3;
-/// The hashes that this build computes in the default mode, after each tick of each world, world by world. tools/refresh stores them. The error
-/// names a world, a tick and the command that was refused.
+inline constexpr std::uint32_t self_test_worlds = 20, ///< worlds of self_test() (lockstone/prove.h)
+    self_test_ticks = 3;                              ///< ticks of each world
+/// The self-test hashes of this build [self_test_worlds * self_test_ticks, world by world]. tools/refresh
+/// stores them. The error names a world, a tick and the refused command.
 Result<std::vector<std::uint64_t>> self_test_hashes();
-/// self_test() with other hashes than the stored ones. Refuses another number of them.
+/// self_test() with these hashes in place of the stored ones. Error also: a wrong number of hashes.
 Status self_test_against(std::span<const std::uint64_t> stored);
 
 } // namespace lockstone::testing

@@ -1,10 +1,11 @@
-// Ragdolls: a human of fourteen bodies and thirteen joints, made of the commands of lockstone/world.h alone.
+// Ragdolls: a human figure of 14 bodies and 13 joints, created by the commands of lockstone/world.h.
 //
 //   Ragdoll victim = make_ragdoll(world, {.place = {{0_r, 2_r, 0_r}, Quat::identity()}}).value();
 //   set_ragdoll_drive(world, victim, ragdoll_t_pose(), {.frequency = 20_r, .torque_max = 100_r});
 //
-// Masses and lengths of segments are fractions of the whole. source: Winter, Biomechanics and Motor Control of Human
-// Movement, 4th edition, table 4.1 (masses, after Dempster) and figure 4.1 (lengths, after Drillis and Contini).
+// Masses and lengths of the segments are fractions of the total. Source: Winter, Biomechanics and Motor
+// Control of Human Movement, 4th edition, table 4.1 (masses, after Dempster) and figure 4.1 (lengths, after
+// Drillis and Contini).
 #pragma once
 
 #include "lockstone/world.h"
@@ -13,74 +14,81 @@
 
 namespace lockstone {
 
-/// The root first; every other part comes after its parent. Left is +x where the human looks along +z.
+/// Part of a ragdoll; each follows its parent. A figure that looks along +z has its left side at +x.
 enum class RagdollPart : std::uint32_t {
-    pelvis,
-    abdomen,
-    chest,
-    head, ///< and neck
-    upper_arm_left,
-    forearm_left, ///< and hand
-    upper_arm_right,
-    forearm_right,
-    thigh_left,
-    shin_left,
-    foot_left,
-    thigh_right,
-    shin_right,
-    foot_right,
+    pelvis,          ///< root
+    abdomen,         ///< belly
+    chest,           ///< upper trunk
+    head,            ///< head and neck
+    upper_arm_left,  ///< upper arm, left
+    forearm_left,    ///< forearm and hand, left
+    upper_arm_right, ///< upper arm, right
+    forearm_right,   ///< forearm and hand, right
+    thigh_left,      ///< thigh, left
+    shin_left,       ///< lower leg, left
+    foot_left,       ///< foot, left
+    thigh_right,     ///< thigh, right
+    shin_right,      ///< lower leg, right
+    foot_right,      ///< foot, right
 };
-inline constexpr std::uint32_t ragdoll_part_count = 14;
+inline constexpr std::uint32_t ragdoll_part_count = 14; ///< number of parts
+/// Name of a part; "unknown" for any other value. Static string.
 const char* name_of(RagdollPart part);
-RagdollPart ragdoll_parent(RagdollPart part); ///< of the pelvis: itself; of no part: asserted
+/// The parent of a part; of the pelvis: itself. Any other value ends the program.
+RagdollPart ragdoll_parent(RagdollPart part);
 
-/// How each part is turned against its parent; all identity: standing, arms hanging. That of the pelvis is not read. Any length
-/// but 0 will do.
+/// Rotation of each part relative to its parent [part]. Identity: standing with hanging arms. The entry of
+/// the pelvis is ignored. Quaternions are normalised; none may be zero.
 using RagdollPose = std::array<Quat, ragdoll_part_count>;
-RagdollPose ragdoll_standing();
-RagdollPose ragdoll_t_pose(); ///< arms stretched out to the sides
+RagdollPose ragdoll_standing(); ///< Standing with hanging arms.
+RagdollPose ragdoll_t_pose();   ///< Standing with arms stretched to the sides.
 
+/// Definition of a ragdoll.
 struct RagdollDef {
-    Transform place =
-        Transform::identity(); ///< of the ground between the feet when it stands; up is y, it looks along z
-    Vec3 linear_velocity{};    ///< of all parts [m/s]
-    Real height = decimal<Real>("1.8"); ///< [m], 0.5..3
-    Real mass = Real(75);               ///< [kg], 5..500
-    Real stiffness = Real(1);           ///< of the joints' friction: times that of a limp body, 0..100
-    RagdollPose pose = ragdoll_standing();
-    Real friction = decimal<Real>("0.6"); ///< of the skin
-    std::uint32_t category = 1, mask = 0xffffffffu;
-    std::uint64_t user_key = 0; ///< of every body and joint, plus the number of its part
+    /// Pose of the ground point between the feet when it stands [m]; up is y, it looks along z.
+    Transform place = Transform::identity();
+    Vec3 linear_velocity{};                ///< of all parts [m/s], at most 500 long
+    Real height = decimal<Real>("1.8");    ///< [m], 0.5..3
+    Real mass = Real(75);                  ///< of all parts together [kg], 5..500
+    Real stiffness = Real(1);              ///< factor of the joint friction of a limp body, 0..100
+    RagdollPose pose = ragdoll_standing(); ///< initial pose
+    Real friction = decimal<Real>("0.6");  ///< ShapeDef::friction of all parts, 0..4
+    std::uint32_t category = 1,            ///< ShapeDef::category of all parts
+        mask = 0xffffffffu;                ///< ShapeDef::mask of all parts
+    std::uint64_t user_key = 0;            ///< each body, shape and joint has this plus its RagdollPart
 };
 
-/// Plain ids: can be a row of a game's own columns.
+/// Ids of a ragdoll. It can be a row of a game column.
 struct Ragdoll {
-    std::array<BodyId, ragdoll_part_count> bodies;
-    std::array<JointId, ragdoll_part_count> joints; ///< to the part's parent; null for the pelvis
+    std::array<BodyId, ragdoll_part_count> bodies;  ///< [part]
+    std::array<JointId, ragdoll_part_count> joints; ///< [part] joint to the parent; null for the pelvis
+    /// Equal ids.
     friend bool operator==(const Ragdoll&, const Ragdoll&) = default;
 };
+/// Field list of Ragdoll; see lockstone/row.h.
 template <class V> constexpr void describe(Ragdoll& r, V&& v) {
     v("bodies", r.bodies), v("joints", r.joints);
 }
 
-/// On an error the world is as it was and its journal was told nothing: all is tried on another world first.
+/// Creates a ragdoll. Errors: a value out of range, a full table; the world is then as before and its journal
+/// received nothing, because another world runs the commands first.
 Result<Ragdoll> make_ragdoll(World& world, const RagdollDef& def);
-/// What of it is still alive.
+/// Destroys all living bodies of a ragdoll with their joints.
 void destroy_ragdoll(World& world, const Ragdoll& ragdoll);
 
-/// How hard the joints pull towards a pose.
+/// Springs that pull the joints of a ragdoll towards a pose.
 struct RagdollDrive {
-    /// [Hz] of each joint's spring with the part alone, 0: limp. What hangs on it swings slower, and friction of the joint stays:
-    /// 10 to 30 hold a pose
+    /// Frequency of each joint's spring with its part alone [Hz], 0..1000; 0: limp. Parts that hang on it
+    /// lower the frequency, and joint friction remains: 10 to 30 Hz hold a pose.
     Real frequency{};
-    Real damping_ratio = Real(1); ///< 0..100
-    Real torque_max{};            ///< [N m] of every joint, 0: no bound
+    Real damping_ratio = Real(1); ///< 0..100; 1: critical
+    Real torque_max{};            ///< maximum torque of each joint [N m], 0..2e9; 0: unlimited
 };
-/// Springs of all joints towards `pose`; parts without a living joint are left out. A pose with a quaternion of zeros is an
-/// error, and nothing is changed.
+/// Sets the springs of all living joints towards `pose`. Errors: a zero quaternion in the pose, a value out
+/// of range; no joint changes then.
 Status set_ragdoll_drive(World& world, const Ragdoll& ragdoll, const RagdollPose& pose,
                          const RagdollDrive& drive);
-/// As it is now; parts that were destroyed are as in standing.
+/// The present pose. A part that was destroyed, or whose parent was, has the identity.
 RagdollPose ragdoll_pose(const World& world, const Ragdoll& ragdoll);
 
 } // namespace lockstone

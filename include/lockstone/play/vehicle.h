@@ -1,12 +1,14 @@
-// Vehicles: wheels or tracks under a dynamic body, with suspension, engine, clutch, gearbox and differentials.
+// Vehicles: wheels or tracks under a dynamic body, with suspension, engine, clutch, gearbox and
+// differentials.
 //
-//   VehicleDef car = four_wheels(chassis, {0.8_r, -0.3_r, 1.4_r});   half track, height of the hubs, half wheelbase
+//   VehicleDef car = four_wheels(chassis, {0.8_r, -0.3_r, 1.4_r});   half track, hub height, half wheelbase
 //   VehicleId id = world.create_vehicle(car).value();
-//   world.set_vehicle_input(id, {.throttle = 1_r, .steer = 0.2_r});  holds until the next one
+//   world.set_vehicle_input(id, {.throttle = 1_r, .steer = 0.2_r});  until the next input
 //   world.tick();
 //
-// A wheel is no body: it is cast from its attachment along its suspension, and pushes between the chassis and the ground that it
-// finds, which moves too if it can. All that a wheel remembers from tick to tick is state.
+// A wheel is not a body. Each tick casts it from its attachment along its suspension; its forces act on the
+// chassis and on the ground that it hits, if that is dynamic. All memory of wheels is part of the world's
+// state.
 //
 // Axes are those of the chassis body: y up, z forward, x to the left.
 #pragma once
@@ -20,79 +22,92 @@
 
 namespace lockstone {
 
-inline constexpr std::uint32_t vehicle_wheels_max = 8, vehicle_tyres_max = 2, vehicle_couplings_max = 4,
-                               vehicle_gears_max = 8;
+inline constexpr std::uint32_t vehicle_wheels_max = 8, ///< wheels of a vehicle
+    vehicle_tyres_max = 2,                             ///< tyres of a vehicle
+    vehicle_couplings_max = 4,                         ///< anti-roll bars, and differentials, of a vehicle
+    vehicle_gears_max = 8;                             ///< forward gears
 
-/// A corner of a piecewise linear curve. Curves have their corners in ascending x; beyond the ends they are level.
+/// A point of a piecewise linear curve. Points must ascend by x; the curve is constant beyond both ends.
 struct CurvePoint {
-    Real x, y;
+    Real x, ///< 0..1000
+        y;  ///< 0..10
 };
 
-/// Grip, force over load, by slip. On the way up a tyre clings, past its peak it slides.
-/// Slip along: |rim speed - ground speed| / ground speed; across: tangent of the slip angle.
-/// A tyre that slides both ways shares its grip out along the direction in which it slides.
+/// A tyre: curves of grip (force / load) over slip. Below the peak it sticks, beyond the peak it slides.
+/// Combined slip distributes the grip along the direction of sliding.
 struct Tyre {
-    std::array<CurvePoint, 4> along{
-        {{Real(0), Real(0)}, {0.08_r, 1.1_r}, {0.3_r, 0.95_r}, {Real(1), 0.9_r}}}; ///< y 0..10
+    /// Grip over longitudinal slip, |rim speed - ground speed| / ground speed.
+    std::array<CurvePoint, 4> along{{{Real(0), Real(0)}, {0.08_r, 1.1_r}, {0.3_r, 0.95_r}, {Real(1), 0.9_r}}};
+    /// Grip over lateral slip, the tangent of the slip angle.
     std::array<CurvePoint, 4> across{
         {{Real(0), Real(0)}, {0.12_r, Real(1)}, {0.4_r, 0.9_r}, {Real(2), 0.85_r}}};
-    Real ground_friction = 0.6_r;     ///< of the ground on which the curves hold, 0.01..4: the grip grows
-                                      ///< in proportion to that of the ground's shape
-    Real rolling_resistance = 0.01_r; ///< force over load, 0..1
+    /// Friction of the ground for which the curves are valid, 0.01..4. The grip is proportional to the
+    /// friction of the ground's shape.
+    Real ground_friction = 0.6_r;
+    Real rolling_resistance = 0.01_r; ///< force / load, 0..1
 };
 
+/// Cast that finds the ground of a wheel.
 enum class WheelCast : std::uint32_t {
-    ray,      ///< from the attachment along the suspension
+    ray,      ///< along the suspension
     sphere,   ///< of the wheel's radius: rolls over edges
-    cylinder, ///< of the wheel's radius and width; bears in its middle where it stands level
+    cylinder, ///< of the wheel's radius and width; on level ground the contact is at its middle
 };
 
+/// Definition of a wheel.
 struct WheelDef {
-    /// Where the hub is at a suspension length of 0, from the body's origin [m], within 64
+    /// Position of the hub at suspension length 0, from the body's origin [m], within 64 on each axis.
     Vec3 attachment{};
-    UnitVec3 direction{Unit{}, -unit_one, Unit{}}; ///< in which the suspension extends, downwards
-    std::uint32_t tyre = 0;                        ///< index of VehicleDef::tyre
-    Real length_min = 0.1_r;                       ///< of the suspension when it meets its stop [m], 0..4
-    Real length_max = 0.5_r;                       ///< when it hangs
-    Real preload{};         ///< how much longer than length_max its spring is [m], 0..4
-    Real frequency = 1.5_r; ///< [Hz], 0.1..50: of the spring under the mass that rests on this wheel;
-                            ///< it gives by g / (2 pi frequency)^2 at rest
-    Real damping_compression = 0.4_r; ///< damping ratio, 0..10
-    Real damping_rebound = 0.6_r;
-    Real radius = 0.35_r; ///< [m], 0.01..10
-    Real width = 0.25_r;  ///< [m], 0.01..10
-    Real inertia = 0.9_r; ///< [kg m^2], 0.001..1e6, of the turning wheel; in a track they add up
-    Real steer_max{}; ///< angle at full steering [rad], within 1.3; negative for wheels that steer against it
-    Real drive_share{};       ///< of the engine's torque, 0..1; all together 1, or 0 if nothing is driven
-    Real brake_torque{};      ///< at full brake [N m], 0..1e8
-    Real hand_brake_torque{}; ///< [N m]
-    std::uint32_t track = 0;  ///< of a tracked vehicle: 0 left, 1 right
-    std::uint32_t reserved = 0;
+    UnitVec3 direction{Unit{}, -unit_one, Unit{}}; ///< direction of the suspension, of unit length, y below 0
+    std::uint32_t tyre = 0;                        ///< index in VehicleDef::tyre, 0..1
+    Real length_min = 0.1_r;                       ///< suspension length at the stop [m], 0..4
+    Real length_max = 0.5_r;                       ///< suspension length in the air [m], length_min..4
+    Real preload{};                                ///< compression of the spring at length_max [m], 0..4
+    /// Frequency of the spring with the mass that rests on the wheel [Hz], 0.1..50. At rest its compression
+    /// is g / (2 pi frequency)^2.
+    Real frequency = 1.5_r;
+    Real damping_compression = 0.4_r; ///< damping ratio in compression, 0..10
+    Real damping_rebound = 0.6_r;     ///< damping ratio in rebound, 0..10
+    Real radius = 0.35_r;             ///< [m], 0.01..10
+    Real width = 0.25_r;              ///< [m], 0.01..10
+    Real inertia = 0.9_r;             ///< about the axle [kg m^2], 0.001..1e6; wheels of a track add up
+    /// angle at full steering [rad], within 1.3; negative: opposite direction
+    Real steer_max{};
+    Real drive_share{};         ///< part of the engine torque, 0..1; the sum over all wheels is 1 or 0
+    Real brake_torque{};        ///< at full brake [N m], 0..1e8
+    Real hand_brake_torque{};   ///< at full hand brake [N m], 0..1e8
+    std::uint32_t track = 0;    ///< tracked vehicles: 0 left, 1 right
+    std::uint32_t reserved = 0; ///< 0
 };
 
-/// Pushes the wheels of a pair to the same suspension length.
+/// A spring between two wheels towards equal suspension lengths.
 struct AntiRollBar {
-    std::uint32_t wheel_a = 0, wheel_b = 0; ///< the same twice: no bar
-    Real stiffness{};                       ///< [N/m], 0..1e9
+    std::uint32_t wheel_a = 0, ///< one wheel
+        wheel_b = 0;           ///< the other wheel; equal to wheel_a: no bar
+    Real stiffness{};          ///< [N/m], 0..1e9
 };
 
+/// Coupling of the two speeds of a differential.
 enum class DifferentialKind : std::uint32_t {
-    open,    ///< leaves the speeds alone
-    limited, ///< brakes their difference with preload + bias * (torque that comes in)
-    locked,  ///< keeps them equal
+    open,    ///< speeds are independent
+    limited, ///< friction of preload + bias * (input torque) between the speeds
+    locked,  ///< speeds are equal
 };
-/// Between two groups of wheels: the two of an axle, or two axles. Torque is shared out by the wheels' drive_share.
+/// A differential between two groups of wheels: the two wheels of an axle, or two axles.
+/// WheelDef::drive_share divides the torque.
 struct Differential {
-    DifferentialKind kind = DifferentialKind::open;
-    std::uint32_t wheels_a = 0, wheels_b = 0; ///< bit i: wheel i; one of them 0: no differential
-    std::uint32_t reserved = 0;
-    Real preload{}; ///< [N m], 0..1e8
-    Real bias{};    ///< 0..10
+    DifferentialKind kind = DifferentialKind::open; ///< open, limited or locked
+    std::uint32_t wheels_a = 0,                     ///< bit i: wheel i; 0: no differential
+        wheels_b = 0;                               ///< the other group; no common wheel
+    std::uint32_t reserved = 0;                     ///< 0
+    Real preload{};                                 ///< limited: constant friction [N m], 0..1e8
+    Real bias{};                                    ///< limited: friction / input torque, 0..10
 };
 
+/// Definition of an engine.
 struct EngineDef {
     Real torque_max = Real(400); ///< [N m], 0..1e7
-    /// Share of torque_max at full throttle over rpm / rpm_max.
+    /// Torque at full throttle as a part of torque_max, over rpm / rpm_max.
     std::array<CurvePoint, 8> torque{{{Real(0), 0.8_r},
                                       {0.2_r, 0.85_r},
                                       {0.4_r, 0.95_r},
@@ -102,100 +117,114 @@ struct EngineDef {
                                       {1.1_r, 0.7_r},
                                       {1.2_r, 0.6_r}}};
     Real inertia = 0.3_r;         ///< of crankshaft and flywheel [kg m^2], 0.001..1e5
-    Real rpm_idle = Real(900);    ///< 1..rpm_max; below it the engine does not fall: it never stalls
-    Real rpm_max = Real(6500);    ///< the limiter cuts the fuel, 10..1e5
-    Real brake_torque = Real(60); ///< without throttle at rpm_max, in proportion to rpm [N m], 0..1e7
+    Real rpm_idle = Real(900);    ///< minimum speed [1/min], 1..rpm_max; the engine never stalls
+    Real rpm_max = Real(6500);    ///< the limiter cuts the torque above it [1/min], 10..1e5
+    Real brake_torque = Real(60); ///< at rpm_max without throttle, proportional to rpm [N m], 0..1e7
 };
 
+/// Selection of gears.
 enum class GearboxMode : std::uint32_t {
-    automatic, ///< input.gear: -1 reverse, 0 neutral, 1 and above: forward, the box chooses
-    manual,    ///< input.gear: the gear
+    automatic, ///< VehicleInput::gear: -1 reverse, 0 neutral, 1..8 forward with automatic gears
+    manual,    ///< VehicleInput::gear is the gear
 };
+/// Definition of gearbox and clutch.
 struct GearboxDef {
-    GearboxMode mode = GearboxMode::automatic;
-    std::uint32_t forward_count = 5; ///< 1..8
+    GearboxMode mode = GearboxMode::automatic; ///< automatic or manual
+    std::uint32_t forward_count = 5;           ///< number of forward gears, 1..8
+    /// [forward_count] ratios engine speed / output speed, 0.001..1000.
     std::array<Real, vehicle_gears_max> forward{3.6_r, 2.1_r,   1.4_r,   Real(1),
-                                                0.8_r, Real(0), Real(0), Real(0)}; ///< engine turns per turn
-    Real reverse = 3.2_r;     ///< 0.001..1000, as all ratios
-    Real final_drive = 3.7_r; ///< 0.001..1000
-    Real shift_time = 0.3_r;  ///< the clutch is open while a gear changes [s], 0..10
-    Real shift_pause = 0.5_r; ///< least time between changes of an automatic box [s], 0..10
-    Real rpm_up = Real(5500), rpm_down = Real(2200); ///< where an automatic box changes, rpm_down <= rpm_up
-    Real clutch_torque =
-        Real(900); ///< most that the clutch carries [N m], 0..1e8; it closes from rpm_idle on, within
-                   ///< the next half of it
+                                                0.8_r, Real(0), Real(0), Real(0)};
+    Real reverse = 3.2_r;      ///< ratio of the reverse gear, 0.001..1000
+    Real final_drive = 3.7_r;  ///< ratio gearbox output / wheel, 0.001..1000
+    Real shift_time = 0.3_r;   ///< duration of a shift; the clutch is open [s], 0..10
+    Real shift_pause = 0.5_r;  ///< automatic: minimum time between shifts [s], 0..10
+    Real rpm_up = Real(5500),  ///< automatic: shifts up above it [1/min], 1..1e5
+        rpm_down = Real(2200); ///< automatic: shifts down below it [1/min], 0..rpm_up
+    /// Maximum torque of the clutch [N m], 0..1e8. It closes between rpm_idle and 1.5 rpm_idle.
+    Real clutch_torque = Real(900);
 };
 
-/// A tracked vehicle has two tracks, each of which turns all its wheels alike. The gearbox drives their mean speed;
-/// steering gears their difference to the engine (a Merritt-Brown drive), so it turns on the spot in neutral.
+/// Definition of two tracks; all wheels of a track have one speed. The gearbox drives the mean speed of the
+/// tracks, and steering drives their difference from the engine (Merritt-Brown), so the vehicle can turn on
+/// the spot in neutral.
 struct TrackDef {
-    std::uint32_t enabled = 0; ///< 1: tracked; wheels do not steer
-    std::uint32_t reserved = 0;
-    Real steer_ratio = Real(20); ///< turns of the engine per turn of difference at full steering, 0.001..1e4
-    Real steer_torque = Real(100000); ///< most between the tracks [N m], 0..1e8
+    std::uint32_t enabled = 0;        ///< 1: tracked; wheels do not steer
+    std::uint32_t reserved = 0;       ///< 0
+    Real steer_ratio = Real(20);      ///< engine speed / speed difference at full steering, 0.001..1e4
+    Real steer_torque = Real(100000); ///< maximum torque between the tracks [N m], 0..1e8
 };
 
+/// Definition of a vehicle. World::create_vehicle() and validate() check it.
 struct VehicleDef {
-    BodyId chassis{};              ///< a dynamic body; at most one vehicle
-    std::uint32_t wheel_count = 0; ///< 1..8
-    WheelCast cast = WheelCast::sphere;
-    std::uint32_t category = 0xffffffffu,
-                  mask = 0xffffffffu; ///< of what wheels roll on, as QueryFilter has it
-    std::array<WheelDef, vehicle_wheels_max> wheel{};
-    std::array<Tyre, vehicle_tyres_max> tyre{};
-    std::array<AntiRollBar, vehicle_couplings_max> anti_roll{};
-    EngineDef engine{};
-    GearboxDef gearbox{};
-    std::array<Differential, vehicle_couplings_max> differential{};
-    TrackDef tracks{};
-    Real ackermann = Real(1); ///< 1: steered wheels roll about one point, 0: they stay parallel
-    Real steer_speed{};       ///< of the steering wheel [1/s]: from straight to full, 0..1000; 0: at once
-    std::uint64_t user_key = 0;
+    BodyId chassis{};                                           ///< a dynamic body without another vehicle
+    std::uint32_t wheel_count = 0;                              ///< 1..8
+    WheelCast cast = WheelCast::sphere;                         ///< cast of all wheels
+    std::uint32_t category = 0xffffffffu,                       ///< QueryFilter::category of the casts
+        mask = 0xffffffffu;                                     ///< QueryFilter::mask of the casts
+    std::array<WheelDef, vehicle_wheels_max> wheel{};           ///< [wheel_count]
+    std::array<Tyre, vehicle_tyres_max> tyre{};                 ///< [2] tyres that wheels refer to
+    std::array<AntiRollBar, vehicle_couplings_max> anti_roll{}; ///< [4]
+    EngineDef engine{};                                         ///< engine
+    GearboxDef gearbox{};                                       ///< gearbox and clutch
+    std::array<Differential, vehicle_couplings_max> differential{}; ///< [4]
+    TrackDef tracks{};                                              ///< tracks
+    Real ackermann = Real(1);   ///< steering geometry, 0..1; 1: all wheels roll about one point, 0: parallel
+    Real steer_speed{};         ///< speed of VehicleInput::steer [1/s], 0..1000; 0: at once
+    std::uint64_t user_key = 0; ///< value for the game; hashed, not used
 };
 
-/// Held until it is set again.
+/// Input of a vehicle. It applies until the next World::set_vehicle_input().
 struct VehicleInput {
-    Real throttle{};       ///< 0..1
-    Real brake{};          ///< 0..1
-    Real steer{};          ///< -1 left .. 1 right
-    Real hand_brake{};     ///< 0..1
-    Real clutch{};         ///< pedal, 1: open
-    std::int32_t gear = 1; ///< see GearboxMode; -1..8
-    std::uint32_t reserved = 0;
+    Real throttle{};            ///< 0..1
+    Real brake{};               ///< 0..1
+    Real steer{};               ///< -1 left .. 1 right
+    Real hand_brake{};          ///< 0..1
+    Real clutch{};              ///< clutch pedal, 0..1; 1: open
+    std::int32_t gear = 1;      ///< see GearboxMode, -1..8
+    std::uint32_t reserved = 0; ///< 0
 
+    /// Equal fields.
     friend constexpr bool operator==(const VehicleInput&, const VehicleInput&) = default;
 };
 
-/// A wheel after the last tick.
+/// State of a wheel after the last tick.
 struct WheelState {
-    Transform pose;       ///< of the hub, world; x is the axle, y up
-    Real rotation;        ///< [rad], 0..2 pi, forwards
-    Real spin;            ///< [rad/s]
-    Real length;          ///< of the suspension [m]
-    Real steer;           ///< [rad], to the left
-    Real load;            ///< [N], along the ground's normal, mean of the last substep
-    Real along, across;   ///< force of the tyre on the vehicle [N], forwards and to the left
-    Real slip, slip_side; ///< as in Tyre, signed
-    ShapeId ground;       ///< null: in the air
+    Transform pose; ///< of the hub, world [m]; x is the axle, y up
+    Real rotation;  ///< rotation about the axle [rad], 0..2 pi, forward
+    Real spin;      ///< [rad/s], forward
+    Real length;    ///< suspension length [m]
+    Real steer;     ///< steering angle [rad], to the left
+    Real load;      ///< force along the ground's normal in the last substep [N]
+    Real along,     ///< tyre force on the vehicle, forward [N]
+        across;     ///< tyre force on the vehicle, to the left [N]
+    Real slip,      ///< longitudinal slip as in Tyre, signed
+        slip_side;  ///< lateral slip as in Tyre, signed
+    ShapeId ground; ///< null: in the air
 };
+/// State of a vehicle after the last tick.
 struct VehicleState {
-    Real rpm; ///< of the engine
-    std::int32_t gear;
-    std::uint32_t shifting; ///< 1: between gears
-    Real clutch_torque;     ///< that the clutch carries [N m]
-    std::uint32_t wheel_count;
-    std::array<WheelState, vehicle_wheels_max> wheel;
+    Real rpm;                                         ///< engine speed [1/min]
+    std::int32_t gear;                                ///< -1 reverse, 0 neutral, 1..8
+    std::uint32_t shifting;                           ///< 1: a shift is in progress
+    Real clutch_torque;                               ///< torque through the clutch [N m]
+    std::uint32_t wheel_count;                        ///< 1..8
+    std::array<WheelState, vehicle_wheels_max> wheel; ///< [wheel_count]
 };
 
-/// Wheels 0 front left, 1 front right, 2 rear left, 3 rear right at (+-hub.x, hub.y, +-hub.z) when the suspension hangs
-/// half out. The front steers by 0.6 rad, the rear is driven, and all of them brake.
+/// A car with wheels 0 front left, 1 front right, 2 rear left, 3 rear right, with hubs at (+-hub.x, hub.y,
+/// +-hub.z) [m] when the suspension is half extended. The front wheels steer by 0.6 rad, the rear wheels
+/// drive, all of them brake.
 VehicleDef four_wheels(BodyId chassis, Vec3 hub);
-/// Two tracks of `wheels` (1..4; other numbers are clamped) each, at +-hub.x, from hub.z to the front to -hub.z.
+/// A tracked vehicle with `wheels` wheels (clamped to 1..4) on each track, at x = +-hub.x, from z = hub.z to
+/// -hub.z [m].
 VehicleDef two_tracks(BodyId chassis, Vec3 hub, std::uint32_t wheels);
-/// Empty when good.
+/// Empty if the definition is valid; else a sentence with the wrong field. Does not check the chassis.
 std::string validate(const VehicleDef& def);
+/// Empty if the input is valid; else a sentence with the wrong field.
 std::string validate(const VehicleInput& input);
 
+/// Field list with ranges; see lockstone/row.h.
+///@{
 template <class V> constexpr void describe(CurvePoint& p, V&& v) {
     field(v, "x", p.x, in(0_r, 1000_r));
     field(v, "y", p.y, in(0_r, 10_r));
@@ -284,5 +313,6 @@ template <class V> constexpr void describe(VehicleInput& i, V&& v) {
     field(v, "gear", i.gear, in(-1, vehicle_gears_max));
     field(v, "reserved", i.reserved, always_zero);
 }
+///@}
 
 } // namespace lockstone
