@@ -1,10 +1,11 @@
-// The one number type: an integer that counts steps of 2^-FractionBits.
+// Fixed-point numbers: an integer that counts steps of 2^-FractionBits.
 //
-//   Real slop = 0.005_r, gravity = -9.81_r;         exact decimals, decided by the compiler
-//   I2F30 ratio = to<I2F30>(a / b);                 a change of format is a named call
+//   Real slop = 0.005_r, gravity = -9.81_r;         exact decimals, checked by the compiler
+//   I2F30 ratio = to<I2F30>(a / b);                 a change of format is explicit
 //
-// Rules, everywhere: one rounding per operation, floor(x + 1/2); a result out of range becomes the nearest
-// representable value; nothing is undefined, nothing depends on the compiler, no floating point enters.
+// Each operation rounds once, by floor(x + 1/2), and clamps its result to the range of the format. No
+// operation is undefined, depends on the compiler or uses floating point. All functions are pure and
+// thread-safe.
 #pragma once
 
 #include "lockstone/math/wide.h"
@@ -18,35 +19,42 @@
 
 namespace lockstone {
 
+/// A fixed-point number of Rep (32 or 64 bits, signed) with FractionBits fraction bits.
 template <class Rep, int FractionBits>
 requires((std::same_as<Rep, std::int32_t> || std::same_as<Rep, std::int64_t>)&&FractionBits >= 0 &&
          FractionBits < std::numeric_limits<Rep>::digits + 1) struct Fixed {
-    using rep = Rep;
-    static constexpr int fraction_bits = FractionBits;
-    static constexpr int integer_bits =
-        std::numeric_limits<Rep>::digits + 1 - FractionBits; ///< sign included
+    using rep = Rep;                                   ///< integer type
+    static constexpr int fraction_bits = FractionBits; ///< number of fraction bits
+    /// Number of integer bits, including the sign.
+    static constexpr int integer_bits = std::numeric_limits<Rep>::digits + 1 - FractionBits;
 
     Rep raw; ///< value * 2^FractionBits
 
-    Fixed() = default; ///< trivial: uninitialised as a local, zero as `Fixed{}`
+    Fixed() = default; ///< Trivial: a local is uninitialised, `Fixed{}` is zero.
 
     /// The integer n, clamped to the range.
     template <std::integral N> constexpr explicit Fixed(N n) : raw(from_integer(n)) {}
-    /// Floating point never enters the simulation; see convert.h for the outside.
+    /// No conversion from floating point; see quantize() in convert.h.
     Fixed(std::floating_point auto) = delete;
 
+    /// The number r * 2^-FractionBits.
     static constexpr Fixed from_raw(Rep r) {
         Fixed f{};
         f.raw = r;
         return f;
     }
-    static constexpr Fixed max() { return from_raw(std::numeric_limits<Rep>::max()); }
-    static constexpr Fixed min() { return from_raw(std::numeric_limits<Rep>::min()); } ///< most negative
+    static constexpr Fixed max() { return from_raw(std::numeric_limits<Rep>::max()); } ///< Largest number.
+    /// Most negative number.
+    static constexpr Fixed min() { return from_raw(std::numeric_limits<Rep>::min()); }
+    /// Smallest positive number.
     static constexpr Fixed step() { return from_raw(1); }
 
-    friend constexpr bool operator==(Fixed, Fixed) = default;
+    friend constexpr bool operator==(Fixed, Fixed) = default; ///< Equal numbers.
+    /// Order of the numbers.
     friend constexpr std::strong_ordering operator<=>(Fixed a, Fixed b) { return a.raw <=> b.raw; }
 
+    /// Sum, difference, negation: exact, clamped.
+    ///@{
     friend constexpr Fixed operator+(Fixed a, Fixed b) {
         if constexpr (sizeof(Rep) == 8)
             return from_raw(add_saturated(a.raw, b.raw));
@@ -60,7 +68,9 @@ requires((std::same_as<Rep, std::int32_t> || std::same_as<Rep, std::int64_t>)&&F
             return from_raw(saturate_to_int32(static_cast<std::int64_t>(a.raw) - b.raw));
     }
     friend constexpr Fixed operator-(Fixed a) { return Fixed{} - a; }
+    ///@}
 
+    /// Product, rounded once, clamped.
     friend constexpr Fixed operator*(Fixed a, Fixed b) {
         if constexpr (sizeof(Rep) == 8)
             return from_raw(product_rounded(a.raw, b.raw, FractionBits));
@@ -68,7 +78,7 @@ requires((std::same_as<Rep, std::int32_t> || std::same_as<Rep, std::int64_t>)&&F
             return from_raw(saturate_to_int32(
                 shift_right_rounded(static_cast<std::int64_t>(a.raw) * b.raw, FractionBits)));
     }
-    /// Rounded as everything; x / 0 is the extreme value with the sign of x, 0 / 0 is 0.
+    /// Quotient, rounded once, clamped. x / 0 is max() or min() by the sign of x; 0 / 0 is 0.
     friend constexpr Fixed operator/(Fixed a, Fixed b) {
         const std::int64_t q = divide_shifted(a.raw, b.raw, FractionBits);
         if constexpr (sizeof(Rep) == 8)
@@ -76,13 +86,19 @@ requires((std::same_as<Rep, std::int32_t> || std::same_as<Rep, std::int64_t>)&&F
         else
             return from_raw(saturate_to_int32(q));
     }
+    /// Product with an integer: exact, clamped.
+    ///@{
     friend constexpr Fixed operator*(Fixed a, std::integral auto n) { return scaled(a, n); }
     friend constexpr Fixed operator*(std::integral auto n, Fixed a) { return scaled(a, n); }
+    ///@}
 
+    /// The operation with assignment.
+    ///@{
     constexpr Fixed& operator+=(Fixed b) { return *this = *this + b; }
     constexpr Fixed& operator-=(Fixed b) { return *this = *this - b; }
     constexpr Fixed& operator*=(Fixed b) { return *this = *this * b; }
     constexpr Fixed& operator/=(Fixed b) { return *this = *this / b; }
+    ///@}
 
   private:
     template <std::integral N> static constexpr Rep from_integer(N n) {
@@ -103,12 +119,17 @@ requires((std::same_as<Rep, std::int32_t> || std::same_as<Rep, std::int64_t>)&&F
     }
 };
 
+/// True for each Fixed type.
+///@{
 template <class T> inline constexpr bool is_fixed = false;
 template <class Rep, int F> inline constexpr bool is_fixed<Fixed<Rep, F>> = true;
+///@}
+/// A Fixed type.
 template <class T>
 concept FixedPoint = is_fixed<T>;
 
-// Formats are named by their bits: integer bits including the sign, then fraction bits. Roles are in formats.h.
+/// Formats, named by integer bits (with sign) and fraction bits. formats.h lists their use.
+///@{
 using I32F32 = Fixed<std::int64_t, 32>;
 using I40F24 = Fixed<std::int64_t, 24>;
 using I4F60 = Fixed<std::int64_t, 60>;
@@ -119,11 +140,13 @@ using I8F24 = Fixed<std::int32_t, 24>;
 using I5F27 = Fixed<std::int32_t, 27>;
 using I4F28 = Fixed<std::int32_t, 28>;
 using I2F30 = Fixed<std::int32_t, 30>;
+///@}
 
-/// The public scalar: range 2.1e9, step 2.3e-10.
+/// The scalar of the public interface: range 2.1e9, step 2.3e-10.
 using Real = I32F32;
 
-/// An exact value with `fraction_bits` rounded once into a 64- or 32-bit format and clamped to its range.
+/// raw * 2^-fraction_bits, rounded once to the format To and clamped. fraction_bits - To::fraction_bits:
+/// -63..62.
 template <FixedPoint To> constexpr To round_from(std::int64_t raw, int fraction_bits) {
     const int shift = fraction_bits - To::fraction_bits;
     const std::int64_t v = shift >= 0 ? shift_right_rounded(raw, shift) : shift_left_saturated(raw, -shift);
@@ -132,6 +155,7 @@ template <FixedPoint To> constexpr To round_from(std::int64_t raw, int fraction_
     else
         return To::from_raw(saturate_to_int32(v));
 }
+/// raw * 2^-fraction_bits of a 128-bit integer, rounded once to the format To and clamped.
 template <FixedPoint To, class W>
 requires requires(W w) { w.high_bits(); }
 constexpr To round_from(W raw, int fraction_bits) {
@@ -147,23 +171,25 @@ constexpr To round_from(W raw, int fraction_bits) {
         return To::from_raw(saturate_to_int32(v));
 }
 
-/// Another format: rounded once, clamped to its range.
+/// Converts to another format: rounded once, clamped.
 template <FixedPoint To, FixedPoint From> constexpr To to(From x) {
     return round_from<To>(static_cast<std::int64_t>(x.raw), From::fraction_bits);
 }
 
-/// A sum of products of formats A and B: exact while it grows, rounded once at the end.
-/// Two 32-bit formats add up in 64 bits, anything wider in 128; clamped there.
+/// A sum of products of formats A and B: exact until round() rounds it once. Two 32-bit formats use 64 bits,
+/// others 128; the sum is clamped there.
 template <FixedPoint A, FixedPoint B> class SumOfProducts {
     static constexpr bool narrow = sizeof(typename A::rep) == 4 && sizeof(typename B::rep) == 4;
-    /// A product of 95 bits: 2^32 of them fit.
+    /// A product has 95 bits: 2^32 of them fit into 128.
     static constexpr bool mixed = !narrow && (sizeof(typename A::rep) == 4 || sizeof(typename B::rep) == 4);
     using Total = std::conditional_t<narrow, std::int64_t, Wide>;
     Total total{};
 
   public:
+    /// Fraction bits of the sum.
     static constexpr int fraction_bits = A::fraction_bits + B::fraction_bits;
 
+    /// Adds a * b.
     constexpr SumOfProducts& add(A a, B b) {
         if constexpr (narrow)
             total = add_saturated(total, static_cast<std::int64_t>(a.raw) * b.raw);
@@ -173,6 +199,7 @@ template <FixedPoint A, FixedPoint B> class SumOfProducts {
             total = add_saturated(total, Wide::product(a.raw, b.raw));
         return *this;
     }
+    /// Subtracts a * b.
     constexpr SumOfProducts& sub(A a, B b) {
         if constexpr (narrow)
             total = sub_saturated(total, static_cast<std::int64_t>(a.raw) * b.raw);
@@ -182,15 +209,16 @@ template <FixedPoint A, FixedPoint B> class SumOfProducts {
             total = sub_saturated(total, Wide::product(a.raw, b.raw));
         return *this;
     }
+    /// The sum, rounded once to the format To and clamped.
     template <FixedPoint To> constexpr To round() const { return round_from<To>(total, fraction_bits); }
-    constexpr Total exact() const { return total; } ///< with `fraction_bits` fraction bits
+    constexpr Total exact() const { return total; } ///< The sum as an integer with `fraction_bits`.
 };
 
-/// a * b of any two formats, rounded once into To.
+/// a * b of any two formats, rounded once to the format To and clamped.
 template <FixedPoint To, FixedPoint A, FixedPoint B> constexpr To mul(A a, B b) {
     return SumOfProducts<A, B>{}.add(a, b).template round<To>();
 }
-/// a * b + c, rounded once.
+/// a * b + c, rounded once, clamped.
 template <FixedPoint T> constexpr T mul_add(T a, T b, T c) {
     if constexpr (sizeof(typename T::rep) == 8)
         return round_from<T>(Wide::product(a.raw, b.raw) + (Wide::from(c.raw) << T::fraction_bits),
@@ -202,41 +230,54 @@ template <FixedPoint T> constexpr T mul_add(T a, T b, T c) {
             2 * T::fraction_bits);
 }
 
+/// |x|, clamped.
 template <FixedPoint T> constexpr T abs(T x) { return x.raw < 0 ? -x : x; }
+/// The smaller one.
 template <FixedPoint T> constexpr T min(T a, T b) { return b < a ? b : a; }
+/// The larger one.
 template <FixedPoint T> constexpr T max(T a, T b) { return a < b ? b : a; }
+/// x limited to [low, high].
 template <FixedPoint T> constexpr T clamp(T x, T low, T high) { return x < low ? low : high < x ? high : x; }
 /// x / 2^n, rounded; n in 0..62.
 template <FixedPoint T> constexpr T shift_right(T x, int n) {
     return T::from_raw(static_cast<typename T::rep>(shift_right_rounded(x.raw, n)));
 }
+/// x / 2, rounded.
 template <FixedPoint T> constexpr T half(T x) { return shift_right(x, 1); }
+/// The largest integer not above x, as a T.
 template <FixedPoint T> constexpr T floor(T x) {
     constexpr std::int64_t fraction = static_cast<std::int64_t>((std::uint64_t{1} << T::fraction_bits) - 1);
     return T::from_raw(static_cast<typename T::rep>(x.raw & ~fraction));
 }
-/// The largest integer not above x.
+/// The largest integer not above x, as an integer.
 template <FixedPoint T> constexpr std::int64_t floor_to_int(T x) {
     return std::int64_t{x.raw} >> T::fraction_bits;
 }
-/// a + (b - a) * t for t in [0, 1], rounded once.
+/// a + (b - a) * t, the product rounded once. t in 0..1.
 template <FixedPoint T, FixedPoint U> constexpr T lerp(T a, T b, U t) { return a + mul<T>(b - a, t); }
 
-// ---- exact decimals -------------------------------------------------------------------------------------------
+// ---- exact decimals ---------------------------------------------------------------------------------------
 
-/// Why a decimal was refused; `none` when it was not.
-enum class DecimalError : std::uint8_t { none, empty, bad_character, out_of_range, too_long };
-
-template <FixedPoint T> struct DecimalResult {
-    T value;
-    DecimalError error;
+/// Result of parse_decimal().
+enum class DecimalError : std::uint8_t {
+    none,          ///< valid
+    empty,         ///< no digit
+    bad_character, ///< a character that is not a digit, a separator, a sign or the point
+    out_of_range,  ///< beyond the range of the format
+    too_long       ///< more than decimal_digits_max digits behind the point
 };
 
-/// The longest decimal read, in digits on each side of the point.
+/// A parsed decimal.
+template <FixedPoint T> struct DecimalResult {
+    T value;            ///< 0 after an error
+    DecimalError error; ///< none: valid
+};
+
+/// Maximum number of digits behind the point.
 inline constexpr int decimal_digits_max = 64;
 
-/// Reads [-+]digits[.digits], digit separators (') allowed; rounds the exact decimal to nearest, ties to even.
-/// Serves the literals at compile time and files and command lines at run time.
+/// Parses [-+]digits[.digits] with optional separators ('). Rounds the exact decimal to nearest, ties to
+/// even. Used for literals at compile time, and for files and command lines.
 template <FixedPoint T> constexpr DecimalResult<T> parse_decimal(std::string_view text) {
     const bool negative = !text.empty() && text.front() == '-';
     if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
@@ -287,12 +328,13 @@ template <FixedPoint T> constexpr DecimalResult<T> parse_decimal(std::string_vie
 }
 
 namespace detail {
-/// Never defined, and no constant: a literal that comes here ends the compilation with this name in the message. An
-/// exception would do the same, but not where a game compiles without them.
+/// Not defined and not constexpr: an invalid literal calls it, and the compiler stops with this name in its
+/// message. An exception needs a build with exceptions.
 void this_is_not_a_decimal_in_the_range_of_its_format();
 } // namespace detail
 
-/// A decimal constant of any format: `decimal<I2F30>("0.6")`. A malformed or out-of-range one does not compile.
+/// A decimal constant of any format: `decimal<I2F30>("0.6")`. A malformed or out-of-range text does not
+/// compile.
 template <FixedPoint T> consteval T decimal(std::string_view text) {
     const DecimalResult<T> result = parse_decimal<T>(text);
     if (result.error != DecimalError::none) detail::this_is_not_a_decimal_in_the_range_of_its_format();
@@ -309,8 +351,9 @@ template <char... Characters> struct Literal {
 } // namespace detail
 
 inline namespace literals {
-/// 0.005_r is the Real nearest to 5/1000. A malformed or out-of-range literal does not compile.
-/// Not consteval: clang takes the address of such a function where a template or a default member initializer calls it.
+/// 0.005_r is the Real nearest to 5/1000. A malformed or out-of-range literal does not compile. Not
+/// consteval, because clang takes the address of a consteval function in templates and default member
+/// initialisers.
 template <char... Characters> constexpr Real operator""_r() {
     return detail::Literal<Characters...>::result.value;
 }

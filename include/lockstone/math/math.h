@@ -1,8 +1,8 @@
 // Roots, lengths, unit vectors, elementary functions, rotations and small matrices, all in integers.
 //
-// Every result is defined by mathematics and one rounding, so it is the same bits everywhere. Where a hardware
-// estimate speeds a root up (src/math/estimate.h) exact integer arithmetic decides the result.
-// Error bounds are in `error_bound`; the tests read them from there.
+// Each result is defined by mathematics and one rounding, so it is equal on every machine. A hardware
+// estimate may speed up a root (src/math/estimate.h); exact integer arithmetic then corrects it. Namespace
+// error_bound has the error bounds; tests check them. All functions are pure and thread-safe.
 #pragma once
 
 #include "lockstone/math/vec.h"
@@ -12,38 +12,37 @@
 
 namespace lockstone {
 
-/// How far a result may be from the exact one, in thousandths of a step of the result's format.
-/// 500 is the least that rounding allows.
+/// Maximum errors of results, in 1/1000 of a step of their format. Correct rounding has 500.
 namespace error_bound {
-inline constexpr int sqrt = 500;
-inline constexpr int length = 500;
-inline constexpr int inv_sqrt = 501;
-inline constexpr int normalized = 501; ///< each component, for any non-zero input
-inline constexpr int sin_cos = 501;    ///< sin, cos and sin_cos, for every Real
-inline constexpr int tan = 510;        ///< while |result| < 4096; see tan_relative_bits
-inline constexpr int atan = 501;       ///< atan, atan2, asin, acos
-inline constexpr int log = 501;        ///< log and log2
-inline constexpr int exp = 501;        ///< exp and exp2; besides the relative part below
-inline constexpr int rotation = 1500;  ///< each component of a quaternion that is made or turned
-inline constexpr int determinant = 2000;
-inline constexpr int inverse = 3000; ///< all entries together (Frobenius norm)
+inline constexpr int sqrt = 500;         ///< sqrt
+inline constexpr int length = 500;       ///< length
+inline constexpr int inv_sqrt = 501;     ///< inv_sqrt; besides the relative part below
+inline constexpr int normalized = 501;   ///< each component of normalized, for any non-zero vector
+inline constexpr int sin_cos = 501;      ///< sin, cos and sin_cos, for every Real
+inline constexpr int tan = 510;          ///< while |result| < 4096; see tan_relative_bits
+inline constexpr int atan = 501;         ///< atan, atan2, asin, acos
+inline constexpr int log = 501;          ///< log and log2
+inline constexpr int exp = 501;          ///< exp and exp2; besides the relative part below
+inline constexpr int rotation = 1500;    ///< each component of a quaternion from a function below
+inline constexpr int determinant = 2000; ///< determinant; besides the relative part below
+inline constexpr int inverse = 3000;     ///< inverse, Frobenius norm; besides the relative part below
 
-// What is added to the steps above, as a power of two.
-inline constexpr int inv_sqrt_relative_bits = 60; ///< result * 2^-60: matters above 2^50 steps only
+// Relative parts of errors, as powers of two.
+inline constexpr int inv_sqrt_relative_bits = 60; ///< result * 2^-60: relevant above 2^50 steps
 inline constexpr int exp_relative_bits = 59; ///< exp, exp2, pow: result * 2^-59, for pow times max(1, |y|)
 inline constexpr int tan_relative_bits = 60; ///< result^2 * 2^-60
 inline constexpr int determinant_relative_bits = 58; ///< |m|^3 * 2^-58
 inline constexpr int inverse_relative_bits = 56;     ///< |inverse| * condition number * 2^-56
-inline constexpr int eigenvalue_relative_bits = 54;  ///< |m| * 2^-54, and the step of a Real
+inline constexpr int eigenvalue_relative_bits = 54;  ///< |m| * 2^-54, and a step of Real
 } // namespace error_bound
 
-// ---- roots ----------------------------------------------------------------------------------------------------
+// ---- roots ------------------------------------------------------------------------------------------------
 
 namespace detail {
 
-/// floor(sqrt(n)) in integers alone: the twin of isqrt_estimated for compile time and for targets without a
-/// floating point unit. Each line doubles the correct bits of the root of n's leading bits.
-/// source: M. Dickinson, the integer square root of CPython's math module.
+/// floor(sqrt(n)) with integers only: isqrt_estimated() for compile time and for targets without a
+/// floating-point unit. Each line doubles the number of correct bits. Source: M. Dickinson, the integer
+/// square root of CPython's math module.
 constexpr std::uint64_t isqrt_integer(std::uint64_t n) {
     if (n == 0) return 0;
     const int shift = std::countl_zero(n) & ~1;
@@ -57,8 +56,8 @@ constexpr std::uint64_t isqrt_integer(std::uint64_t n) {
     return root > 0xffffffffu || root * root > n ? root - 1 : root;
 }
 
-/// The root of 128 bits from the root of the leading 64 and one division.
-/// source: P. Zimmermann, Karatsuba Square Root, 1999.
+/// The root of 128 bits from the root of the leading 64 bits and one division. Source: P. Zimmermann,
+/// Karatsuba Square Root, 1999.
 template <class Root> constexpr std::uint64_t isqrt_128(std::uint64_t high, std::uint64_t low, Root root) {
     if (high == 0) return root(low);
     const int shift = std::countl_zero(high) & ~1;
@@ -75,7 +74,7 @@ constexpr std::uint64_t isqrt_integer(std::uint64_t high, std::uint64_t low) {
     return isqrt_128(high, low, [](std::uint64_t n) { return isqrt_integer(n); });
 }
 
-/// min(floor(2^63 / sqrt(n)), 2^32 - 1) for n in [2^62, 2^64), in integers alone.
+/// min(floor(2^63 / sqrt(n)), 2^32 - 1) for n in [2^62, 2^64), with integers only.
 constexpr std::uint64_t inverse_root_integer(std::uint64_t n) {
     if (n == std::uint64_t{1} << 62) return 0xffffffffu;
     return isqrt_integer(divide_128_by_64(std::uint64_t{1} << 62, 0, n).quotient);
@@ -90,7 +89,7 @@ constexpr std::uint64_t isqrt(std::uint64_t high, std::uint64_t low) {
     return isqrt_estimated(high, low);
 }
 
-/// floor(sqrt(n) + 1/2) for a root that is known rounded down.
+/// floor(sqrt(n) + 1/2) from floor(sqrt(n)).
 constexpr std::uint64_t nearest_root(std::uint64_t high, std::uint64_t low, std::uint64_t root) {
     const Wide square = Wide::product_unsigned(root, root);
     const std::uint64_t rest = low - square.low_bits();
@@ -134,7 +133,7 @@ constexpr Unit scaled_to_unit(std::int64_t m, InverseRoot r) {
     return Unit::from_raw(static_cast<std::int32_t>(((scaled_to_60(m, r) >> 29) + 1) >> 1));
 }
 
-/// x^2 + y^2 + z^2 of raw values: at most 3 * 2^126, so unsigned.
+/// x^2 + y^2 + z^2 of raw values, unsigned: at most 3 * 2^126.
 struct SquareSum {
     std::uint64_t high, low;
 };
@@ -172,7 +171,7 @@ constexpr std::uint64_t isqrt(Wide n) {
     return detail::isqrt(static_cast<std::uint64_t>(n.high_bits()), n.low_bits());
 }
 
-/// Nearest to the square root (error_bound::sqrt); 0 for a negative x.
+/// The square root, rounded to nearest (error_bound::sqrt); 0 for a negative x.
 template <FixedPoint T> constexpr T sqrt(T x) {
     if (x.raw <= 0) return T{};
     const std::uint64_t raw = static_cast<std::uint64_t>(x.raw);
@@ -204,7 +203,7 @@ template <FixedPoint T> constexpr T inv_sqrt(T x) {
         return T::from_raw(saturate_to_int32(v));
 }
 
-/// 1 / x, rounded once; the extreme value for 0.
+/// 1 / x, rounded once, clamped; the largest number for 0.
 template <FixedPoint T> constexpr T reciprocal(T x) {
     static_assert(T::fraction_bits < 63, "1 is not within the 64 bits that the division starts from");
     if (x.raw == 0) return T::max();
@@ -215,7 +214,7 @@ template <FixedPoint T> constexpr T reciprocal(T x) {
         return T::from_raw(saturate_to_int32(q));
 }
 
-/// |v|, nearest (error_bound::length), clamped to the range.
+/// |v|, rounded to nearest (error_bound::length), clamped.
 template <FixedPoint T> constexpr T length(Vector3<T> v) {
     const detail::SquareSum n = detail::square_sum(v);
     if constexpr (sizeof(typename T::rep) == 4) {
@@ -229,11 +228,13 @@ template <FixedPoint T> constexpr T length(Vector3<T> v) {
     }
 }
 
-/// |v|^2, exact until it is rounded into To.
+/// |v|^2, rounded once to To, by default the format of v; clamped.
+///@{
 template <FixedPoint To, FixedPoint T> constexpr To length_squared(Vector3<T> v) { return dot<To>(v, v); }
 template <FixedPoint T> constexpr T length_squared(Vector3<T> v) { return dot<T>(v, v); }
+///@}
 
-/// v / |v|, each component within error_bound::normalized however small or large v is; `fallback` for v = 0.
+/// v / |v|, each component within error_bound::normalized for any length of v; `fallback` for v = 0.
 template <FixedPoint T> constexpr UnitVec3 normalized_or(Vector3<T> v, UnitVec3 fallback) {
     const detail::SquareSum n = detail::square_sum(v);
     if ((n.high | n.low) == 0) return fallback;
@@ -247,7 +248,7 @@ template <FixedPoint T> constexpr UnitVec3 normalized(Vector3<T> v) { return nor
 /// q / |q|; identity for the zero quaternion.
 constexpr Quat normalized(Quat q) { return detail::normalized_quat(q.x.raw, q.y.raw, q.z.raw, q.w.raw); }
 
-/// A unit vector at right angles to n, continuous except where the smallest component of n changes.
+/// A unit vector perpendicular to n; continuous except where another component of n becomes the smallest.
 constexpr UnitVec3 any_perpendicular(UnitVec3 n) {
     const UnitVec3 a = abs(n);
     if (a.x <= a.y && a.x <= a.z) return normalized(UnitVec3{Unit{}, -n.z, n.y});
@@ -255,66 +256,80 @@ constexpr UnitVec3 any_perpendicular(UnitVec3 n) {
     return normalized(UnitVec3{-n.y, n.x, Unit{}});
 }
 
-// ---- elementary functions -------------------------------------------------------------------------------------
+// ---- elementary functions ---------------------------------------------------------------------------------
 
-inline constexpr Real pi = decimal<Real>("3.14159265358979323846264338327950288");
-inline constexpr Real half_pi = decimal<Real>("1.57079632679489661923132169163975144");
-inline constexpr Real two_pi = decimal<Real>("6.28318530717958647692528676655900577");
-namespace constants { // not beside the others: every local variable named e would shadow it
+inline constexpr Real pi = decimal<Real>("3.14159265358979323846264338327950288");      ///< pi
+inline constexpr Real half_pi = decimal<Real>("1.57079632679489661923132169163975144"); ///< pi / 2
+inline constexpr Real two_pi = decimal<Real>("6.28318530717958647692528676655900577");  ///< 2 pi
+/// Constants with short names. A separate namespace, because local variables are often named e.
+namespace constants {
+/// Base of the natural logarithm.
 inline constexpr Real e = decimal<Real>("2.71828182845904523536028747135266250");
 } // namespace constants
 
+/// Sine and cosine of one angle.
 struct SinCos {
-    Unit sin, cos;
+    Unit sin, ///< sine
+        cos;  ///< cosine
 };
 
-/// Angles are in radians, any Real. error_bound::sin_cos.
+/// Sine and cosine of any angle [rad]. error_bound::sin_cos.
+///@{
 SinCos sin_cos(Real radians);
 Real sin(Real radians);
 Real cos(Real radians);
-/// Clamped to the range beside the poles. error_bound::tan + result^2 * 2^-tan_relative_bits.
+///@}
+/// Tangent of any angle [rad], clamped near the poles. error_bound::tan + result^2 * 2^-tan_relative_bits.
 Real tan(Real radians);
 
-/// The angle of (x, y) in [-pi, pi]; 0 for (0, 0). error_bound::atan.
+/// The angle of the point (x, y) in [-pi, pi] [rad]; 0 for (0, 0). error_bound::atan.
 Real atan2(Real y, Real x);
+/// The arc tangent [rad]. error_bound::atan.
 Real atan(Real x);
-/// x is clamped to [-1, 1]. error_bound::atan.
+/// Arc sine and arc cosine [rad] of x, clamped to [-1, 1]. error_bound::atan.
+///@{
 Real asin(Real x);
 Real acos(Real x);
+///@}
 
-/// e^x and 2^x, clamped to the largest Real. error_bound::exp + |result| * 2^-exp_relative_bits.
+/// e^x and 2^x, clamped. error_bound::exp + |result| * 2^-exp_relative_bits.
+///@{
 Real exp(Real x);
 Real exp2(Real x);
-/// The smallest Real for x <= 0. error_bound::log.
+///@}
+/// Natural and binary logarithm; the most negative Real for x <= 0. error_bound::log.
+///@{
 Real log(Real x);
 Real log2(Real x);
-/// x^y, clamped. 0^0 = 1; 0^y is the largest Real for y < 0; a negative x needs an integer y, else 0.
+///@}
+/// x^y, clamped. 0^0 is 1; 0^y is the largest Real for y < 0; 0 for a negative x unless y is an integer.
 /// error_bound::exp + |result| * max(1, |y|) * 2^-exp_relative_bits.
 Real pow(Real x, Real y);
 
-// ---- rotations ------------------------------------------------------------------------------------------------
+// ---- rotations --------------------------------------------------------------------------------------------
 
+/// A rotation by an angle about an axis.
 struct AxisAngle {
-    UnitVec3 axis;
-    Real angle; ///< [rad], in [0, pi]
+    UnitVec3 axis; ///< of unit length
+    Real angle;    ///< [rad], 0..pi
 };
 
-/// Turns by `radians` about `axis`, right-handed. All quaternions below are normalised, and within
+/// The rotation by `radians` about `axis`, right-handed. All quaternions below are normalised, and within
 /// error_bound::rotation.
 Quat from_axis_angle(UnitVec3 axis, Real radians);
-/// The identity has axis x.
+/// Axis and angle of a rotation. The identity has the axis x.
 AxisAngle to_axis_angle(Quat q);
-/// The shortest rotation that takes the direction a to the direction b; for opposite ones a half turn about
+/// The shortest rotation from direction a to direction b. For opposite directions: a half turn about
 /// any_perpendicular(a).
 Quat from_to(UnitVec3 a, UnitVec3 b);
-/// First about the x axis by angles.x, then y, then z, all fixed axes; [rad].
+/// The rotation about x by angles.x, then about y, then about z; fixed axes [rad].
 Quat from_euler(Vec3 angles);
 /// The quaternion of an orthonormal matrix.
 Quat from_rotation(const Rotation& m);
 
-/// Along the shorter arc at constant speed; t is clamped to [0, 1].
+/// Interpolates along the shorter arc at constant angular speed; t is clamped to [0, 1].
 Quat slerp(Quat a, Quat b, Real t);
-/// Along the shorter arc, cheaper; t is clamped to [0, 1].
+/// Interpolates along the shorter arc, faster, not at constant speed; t is clamped to [0, 1].
 Quat nlerp(Quat a, Quat b, Real t);
 
 namespace detail {
@@ -322,27 +337,28 @@ namespace detail {
 Quat integrate_rotation(Quat q, const std::array<std::int64_t, 3>& v, int fraction_bits);
 } // namespace detail
 
-/// q turned by the world-frame rotation vector v [rad] (axis times angle), of any length: the exponential map,
-/// renormalised, error_bound::rotation. A small half turn enters with 34 fraction bits and the result is rounded once,
-/// so turns are not lost before that rounding.
+/// q rotated by the world-frame rotation vector v [rad] (axis times angle) of any length: the exponential
+/// map, renormalised, within error_bound::rotation. Small half angles have 34 fraction bits before the one
+/// rounding.
 template <FixedPoint T> Quat integrate_rotation(Quat q, Vector3<T> v) {
     return detail::integrate_rotation(q, {v.x.raw, v.y.raw, v.z.raw}, T::fraction_bits);
 }
 
-// ---- small matrices -------------------------------------------------------------------------------------------
+// ---- small matrices ---------------------------------------------------------------------------------------
 
-/// Clamped to the range. error_bound::determinant and determinant_relative_bits.
+/// The determinant, clamped. error_bound::determinant and determinant_relative_bits.
 Real determinant(const Mat3& m);
-/// Zero for a singular matrix. error_bound::inverse and inverse_relative_bits.
+/// The inverse matrix; zero for a singular one. error_bound::inverse and inverse_relative_bits.
 Mat3 inverse(const Mat3& m);
 
+/// A diagonalised matrix: m = R diag(values) R^T with R = to_rotation(axes).
 struct Diagonal {
-    Vec3 values; ///< m = R diag(values) R^T with R = to_rotation(axes)
-    Quat axes;
+    Vec3 values; ///< eigenvalues
+    Quat axes;   ///< eigenvectors
 };
-/// The eigenvalues (error_bound::eigenvalue_relative_bits) and axes of a symmetric matrix; its upper triangle is
-/// read. Axes keep the order the matrix has them nearest to: a diagonal matrix gives the identity, and so does a
-/// multiple of the unit matrix.
+/// Eigenvalues (error_bound::eigenvalue_relative_bits) and eigenvectors of a symmetric matrix; only its upper
+/// triangle is used. Each eigenvector is assigned to its nearest coordinate axis, so a diagonal matrix gives
+/// the identity.
 Diagonal diagonalize(const Mat3& symmetric);
 
 } // namespace lockstone
