@@ -100,6 +100,7 @@ inline constexpr std::uint32_t asset_set_max = compound_parts_max + 1; ///< asse
 /// for none.
 AssetBytes encode_assets(std::span<const AssetBytes> assets);
 
+/// Geometry for collision detection.
 namespace shapes {
 class Asset;
 }

@@ -208,7 +208,7 @@ struct AddImpulseAt {
 };
 /// An optional new value of a setting. Default: the setting keeps its value.
 template <class T> struct Change {
-    /// as wide as the row needs
+    /// Integer type of `given`, so that the row has no padding.
     using Given = std::conditional_t<sizeof(T) % 8 == 0, std::uint64_t, std::uint32_t>;
     T value{};       ///< the new value
     Given given = 0; ///< 1: set to `value`; 0: no change

@@ -1,28 +1,30 @@
-// What the library asks of a compiler beyond C++20, and of a processor beyond scalars: each has a form without, with the same bits.
+// Extensions of compilers beyond C++20, and vector instructions of processors. Each has a portable
+// replacement with equal bits.
 //
-// g++ and clang have all of it, MSVC's cl the intrinsics of x86 alone. -DLOCKSTONE_PLAIN_CPLUSPLUS=1 takes the form without everywhere. Macros are
-// 0 or 1, and never undefined.
+// g++ and clang have all extensions, MSVC only the x86 intrinsics. -DLOCKSTONE_PLAIN_CPLUSPLUS=1 selects the
+// replacements. Each macro is 0 or 1.
 #pragma once
 
+/// 1: portable C++20 only. Default: 0.
 #if !defined(LOCKSTONE_PLAIN_CPLUSPLUS)
 #define LOCKSTONE_PLAIN_CPLUSPLUS 0
 #endif
 
-/// Builtin functions of overflow, constants and prefetching; inline assembly.
+/// 1: builtin functions for overflow, constants and prefetch; inline assembly.
 #if (defined(__GNUC__) || defined(__clang__)) && !LOCKSTONE_PLAIN_CPLUSPLUS
 #define LOCKSTONE_GNU 1
 #else
 #define LOCKSTONE_GNU 0
 #endif
 
-/// A 128-bit integer. Clang has the type where it follows MSVC, but the runtime library there cannot divide it.
+/// 1: a 128-bit integer. Not for clang with the MSVC runtime library, which cannot divide it.
 #if LOCKSTONE_GNU && defined(__SIZEOF_INT128__) && !defined(_MSC_VER)
 #define LOCKSTONE_HAS_INT128 1
 #else
 #define LOCKSTONE_HAS_INT128 0
 #endif
 
-/// Headers with the vector instructions of x86 (immintrin.h), of 64-bit ARM with the low byte first, and of WebAssembly.
+/// 1: vector instructions of x86 (immintrin.h), of little-endian 64-bit ARM, of WebAssembly.
 #if (defined(__x86_64__) || defined(__i386__) || defined(_M_X64)) && !LOCKSTONE_PLAIN_CPLUSPLUS
 #define LOCKSTONE_HAS_X86 1
 #else

@@ -33,7 +33,7 @@ struct Event {
     BodyId body_a,          ///< body of shape_a (null: shape destroyed), or the body of the event
         body_b;             ///< body of shape_b as body_a, or the second body of the joint
     JointId joint;          ///< joint_break: the destroyed joint; else null
-    /// contact point, or centre of mass of body_b for joint_break, world [m]; else zero
+    /// Contact point, or centre of mass of body_b for joint_break, world [m]; else zero.
     Vec3 point;
     UnitVec3 normal;      ///< from a to b; zero for end and sensor events
     SurfacePart part_a,   ///< touched part of shape_a; zero except for contact_begin and sensor_begin

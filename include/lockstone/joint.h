@@ -23,7 +23,7 @@ namespace lockstone {
 /// Kind of a joint. Directions are those of the joint's frames.
 enum class JointKind : std::uint32_t {
     six_dof, ///< any combination of axes
-    /// position locked; twist about x, and `swing`: the maximum angle between the x axes of A and B
+    /// Position locked. Twist about x; `swing` is the maximum angle between the x axes of A and B.
     ball,
     hinge,    ///< rotation about x
     slider,   ///< translation along x
@@ -78,7 +78,7 @@ struct JointAxis {
 struct JointDef {
     JointKind kind = JointKind::six_dof; ///< kind of the joint
     std::uint32_t collide_connected = 0; ///< 1: the two bodies collide with each other
-    /// first body; null: the world (not for pulley, gear, rack and pinion)
+    /// First body; null: the world (not for pulley, gear, rack and pinion).
     BodyId body_a{}, body_b{}; ///< second body; not null, not body_a
     /// Frame on A, from the body's origin in its axes [m], within 1e6; without body_a in the world, within
     /// 1e9.

@@ -1,4 +1,4 @@
-// Interfaces that are told what happens to a world: for recorders, for profilers, for finding where two runs part.
+// Observers of a world: for recorders, for profilers, and to find the first difference of two runs.
 #pragma once
 
 #include "lockstone/command.h"
@@ -7,30 +7,31 @@
 
 namespace lockstone {
 
-/// Sees every command that was applied and every tick, in order. The one recording hook.
+/// Receives every applied command and every tick, in order: World::set_journal().
 class Journal {
   public:
     virtual ~Journal() = default;
-    virtual void on_command(std::uint64_t tick,
-                            const Command& command) = 0; ///< applied before tick `tick` runs
-    virtual void on_tick(std::uint64_t tick,
-                         std::uint64_t hash) = 0; ///< tick ran; hash of the state after it
-    /// The state was replaced, by whatever means but a tick or a command: the next tick is `tick`.
+    /// A command was applied before tick `tick`. The command is valid during the call.
+    virtual void on_command(std::uint64_t tick, const Command& command) = 0;
+    /// Tick `tick` has run; `hash` is that of the state after it.
+    virtual void on_tick(std::uint64_t tick, std::uint64_t hash) = 0;
+    /// A restore has replaced the state; the next tick is `tick`.
     virtual void on_restore(std::uint64_t tick) = 0;
 };
 
-/// Hash of the whole state after one phase of a tick, for finding where two runs part.
+/// Hash of the whole state after a phase of a tick.
 struct PhaseHash {
-    const char* phase; ///< the name that PhaseObserver receives
-    std::uint64_t hash;
+    const char* phase;  ///< name of the phase, as for PhaseObserver. Static string
+    std::uint64_t hash; ///< of the state
 };
 
-/// Is told what a tick has done, for profilers. It is handed no state and hands nothing back: no bit can depend on it.
+/// Receives the end of each phase of a tick, for profilers: World::observe_phases(). It has no access to the
+/// state.
 class PhaseObserver {
   public:
     virtual ~PhaseObserver() = default;
-    /// This phase is over; it began at the last call. Where all passes over contacts are one run, and what comes between them, they are told as one
-    /// "solve_contacts".
+    /// A phase has ended; it began at the last call. `phase`: static string. If a tick solves all substeps of
+    /// its contacts in one run, they are one phase "solve_contacts".
     virtual void on_phase(const char* phase) = 0;
 };
 

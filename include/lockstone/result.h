@@ -1,4 +1,5 @@
-// Errors that come from outside: files, packets, definitions, capacities. A programmer's error asserts instead.
+// Results of functions that can fail by data from outside: files, packets, definitions, capacities. A
+// programming error ends the program instead.
 #pragma once
 
 #include <string>
@@ -7,19 +8,19 @@
 
 namespace lockstone {
 
-/// One sentence a user can act on: what was wrong, where, and what would have been right.
+/// An error: a sentence that a user can act on.
 struct Error {
-    std::string message;
+    std::string message; ///< the wrong value, its place, and what is expected
 };
 
 namespace detail {
-/// Ends the program with a sentence, in every build: the caller took the value of an error, or the error of a value.
+/// End the program with a message, in every build: value() of an error, or error() of a value.
 [[noreturn]] void stop_without_value(const Error& error);
 [[noreturn]] void stop_without_error();
 } // namespace detail
 
-/// A value or an Error. `if (!result) report(result.error().message);` To take the value of an error, or the error of a
-/// value, ends the program with a sentence that holds the error.
+/// A value or an Error: `if (!result) report(result.error().message);`. value() of an error, and error() of a
+/// value, end the program with a message, in every build.
 template <class T> class [[nodiscard]] Result {
     std::variant<T, Error> content;
 
@@ -30,21 +31,23 @@ template <class T> class [[nodiscard]] Result {
     }
 
   public:
-    Result(T value) : content(std::in_place_index<0>, std::move(value)) {}
-    Result(Error error) : content(std::in_place_index<1>, std::move(error)) {}
+    Result(T value) : content(std::in_place_index<0>, std::move(value)) {}     ///< Success.
+    Result(Error error) : content(std::in_place_index<1>, std::move(error)) {} ///< Failure.
 
-    explicit operator bool() const { return content.index() == 0; }
-    bool ok() const { return content.index() == 0; }
+    explicit operator bool() const { return content.index() == 0; } ///< True for a value.
+    bool ok() const { return content.index() == 0; }                ///< True for a value.
+    /// The value. A reference is valid as long as the result; a temporary result returns a value.
+    ///@{
     T& value() & { return value_of(*this); }
     const T& value() const& { return value_of(*this); }
-    T value() && {
-        return std::move(value_of(*this));
-    } ///< a value: a range-for over a temporary result is sound
+    T value() && { return std::move(value_of(*this)); }
     T& operator*() & { return value(); }
     const T& operator*() const& { return value(); }
     T operator*() && { return std::move(*this).value(); }
     T* operator->() { return &value(); }
     const T* operator->() const { return &value(); }
+    ///@}
+    /// The error. Valid as long as the result.
     const Error& error() const {
         if (ok()) [[unlikely]]
             detail::stop_without_error();
@@ -52,20 +55,22 @@ template <class T> class [[nodiscard]] Result {
     }
 };
 
+/// Success or an Error.
 template <> class [[nodiscard]] Result<void> {
     std::variant<std::monostate, Error> content;
 
   public:
-    Result() = default;
-    Result(Error error) : content(std::move(error)) {}
+    Result() = default;                                ///< Success.
+    Result(Error error) : content(std::move(error)) {} ///< Failure.
 
-    explicit operator bool() const { return content.index() == 0; }
-    bool ok() const { return content.index() == 0; }
-    /// Says that it went well, or ends the program with the error: `world.add_force(...).value();`
+    explicit operator bool() const { return content.index() == 0; } ///< True for success.
+    bool ok() const { return content.index() == 0; }                ///< True for success.
+    /// Ends the program with the message of an error: `world.add_force(...).value();`.
     void value() const {
         if (const Error* error = std::get_if<1>(&content)) [[unlikely]]
             detail::stop_without_value(*error);
     }
+    /// The error. Valid as long as the result.
     const Error& error() const {
         if (ok()) [[unlikely]]
             detail::stop_without_error();
@@ -73,6 +78,7 @@ template <> class [[nodiscard]] Result<void> {
     }
 };
 
+/// Result of a function without a value.
 using Status = Result<void>;
 
 } // namespace lockstone

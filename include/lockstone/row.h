@@ -1,4 +1,4 @@
-// Rows: the plain structs the state is made of, and how they name their fields.
+// Rows: the plain structs of the state, and the lists of their fields.
 //
 //   struct Health {
 //       std::int32_t points;
@@ -9,8 +9,8 @@
 //       visit("shield", h.shield);
 //   }
 //
-// From that one list come saving, hashing, byte order, comparison and text. A row with padding, a float, a
-// pointer, or a field that the list forgets, repeats or moves, does not compile.
+// Saving, hashing, byte order, comparison and text all use this list. A row does not compile if it has
+// padding, a float or a pointer, or if the list omits, repeats or reorders a field.
 #pragma once
 
 #include "lockstone/math/vec.h"
@@ -27,6 +27,8 @@
 
 namespace lockstone {
 
+/// Field list: calls visit(name, field) for each field, in memory order.
+///@{
 template <FixedPoint T, class Visit> constexpr void describe(Vector3<T>& v, Visit&& visit) {
     visit("x", v.x);
     visit("y", v.y);
@@ -47,64 +49,75 @@ template <class Visit> constexpr void describe(Transform& t, Visit&& visit) {
     visit("position", t.position);
     visit("rotation", t.rotation);
 }
+///@}
 
-// ---- ranges: what a field of a definition may be, beside its name ----
+// ---- ranges of the fields of definitions ----
 //
 //   template <class V> constexpr void describe(Ball& b, V&& v) {
 //       field(v, "radius", b.radius, in(0.01_r, 10_r, " m"));
 //   }
 //
-// A visitor that takes the range as a third argument gets it, any other is called as without. The range of an array is that
-// of each entry.
+// A visitor with a third parameter receives the range; others are called without it. The range of an array
+// applies to each entry.
 
+/// Range of a number: low..high.
 template <class T> struct In {
-    T low, high;
-    const char* unit;
+    T low,            ///< smallest value
+        high;         ///< largest value
+    const char* unit; ///< for error sentences, with a leading space: " m"; or empty
 };
+/// The range low..high.
+///@{
 constexpr In<std::int64_t> in(std::int64_t low, std::int64_t high) { return {low, high, ""}; }
 template <FixedPoint T> constexpr In<T> in(T low, T high, const char* unit = "") { return {low, high, unit}; }
-inline constexpr In<std::int64_t> no_or_yes{0, 1, ""};
-inline constexpr In<std::int64_t> always_zero{0, 0, ""}; ///< of a reserved field
-/// From 0 to less than `end`; `text` is that as sentences say it.
+///@}
+inline constexpr In<std::int64_t> no_or_yes{0, 1, ""};   ///< a flag
+inline constexpr In<std::int64_t> always_zero{0, 0, ""}; ///< a reserved field
+/// Range of a number: from 0 to below `end`.
 struct Below {
-    Real end;
-    const char* text;
+    Real end;         ///< excluded
+    const char* text; ///< `end` in error sentences
 };
-/// From low to high, or the negative of that.
+/// Range of a number: low..high or -high..-low.
 struct EitherSign {
-    Real low, high;
+    Real low, ///< smallest magnitude
+        high; ///< largest magnitude
 };
-/// Bits of an enum, all of which together are `all`.
+/// Range of bits of an enum.
 struct BitsOf {
-    std::uint32_t all;
-    const char* name;
+    std::uint32_t all; ///< all valid bits
+    const char* name;  ///< of the enum, in error sentences
 };
-/// Each component of a vector, to both sides.
+/// Range of each component of a vector: -most..most.
 struct EachIn {
-    Real most;
-    const char* unit;
+    Real most;        ///< largest magnitude
+    const char* unit; ///< in error sentences
 };
-/// The length of a vector; `text` is `most` as sentences say it.
+/// Range of the length of a vector: 0..most.
 struct LongAtMost {
-    Real most;
-    const char* text;
+    Real most;        ///< largest length
+    const char* text; ///< `most` with its unit, in error sentences
 };
-/// The position of a pose, on each axis [m]; its rotation is of unit length.
+/// Range of a pose: each position component within -most..most [m], a rotation of unit length.
 struct PoseIn {
-    Real most;
+    Real most; ///< largest magnitude [m]
 };
-/// A direction is of length 1, as `normalized` makes it.
+/// Range of a direction: unit length.
 struct UnitLong {};
-/// A struct's or an array's own fields have ranges; a struct and an array are looked into without it.
+/// The fields of a nested struct have their own ranges. The default for structs and arrays.
 struct OwnRanges {};
-/// The range holds for the first `count` entries of an array; what stands behind them means nothing.
+/// The range applies to the first `count` entries of an array; the others are unused.
 template <class R> struct First {
-    std::uint32_t count;
-    R range;
+    std::uint32_t count; ///< used entries
+    R range;             ///< range of a used entry
 };
+/// The first `count` entries of an array.
+///@{
 constexpr First<OwnRanges> first(std::uint32_t count) { return {count, {}}; }
 template <class R> constexpr First<R> first(std::uint32_t count, const R& range) { return {count, range}; }
+///@}
 
+/// Calls visit(name, value, range), or visit(name, value) if the visitor takes no range.
 template <class V, class F, class R>
 constexpr void field(V&& visit, const char* name, F& value, const R& range) {
     if constexpr (requires { visit(name, value, range); })
@@ -113,23 +126,26 @@ constexpr void field(V&& visit, const char* name, F& value, const R& range) {
         visit(name, value);
 }
 
-/// An enum whose underlying type is written down; otherwise the compiler chooses its size and sign.
+/// An enum with an explicit underlying type; otherwise the compiler chooses size and sign.
 template <class T>
 concept FixedEnum = std::is_enum_v<T> && requires {
     T{0};
 } && !std::same_as<std::underlying_type_t<T>, bool>;
 
-/// A value with no fields of its own: an integer, an enum or a fixed-point number. No bool, as two of its 256 byte
-/// values are legal; no char or wchar_t, as their sign or size differs between platforms.
+/// A number: an integer, an enum or a fixed-point number. Not bool, because only two of its 256 byte values
+/// are valid. Not char and wchar_t, because their sign or size depends on the platform.
 template <class T>
 concept Leaf = FixedPoint<T> || FixedEnum<T> ||
     (std::integral<T> && sizeof(T) <= 8 && !std::same_as<T, bool> && !std::same_as<T, char> &&
      !std::same_as<T, wchar_t>);
 
+/// True for each std::array.
+///@{
 template <class T> inline constexpr bool is_std_array = false;
 template <class T, std::size_t N> inline constexpr bool is_std_array<std::array<T, N>> = true;
+///@}
 
-/// Visits every leaf of a row in declaration order: leaf(T& value). Nested rows and std::arrays are entered.
+/// Calls leaf(T& value) for every number of a row in declaration order, also in nested rows and arrays.
 template <class T, class Visit> constexpr void for_each_leaf(T& value, Visit&& leaf) {
     if constexpr (Leaf<T>) {
         leaf(value);
@@ -150,7 +166,7 @@ concept Described = requires(T& value) {
     describe(value, IgnoreField{});
 };
 
-/// Whether every value that T's field list reaches, however deep, is a leaf.
+/// True if every value that the field list of T reaches is a number.
 template <class T> consteval bool ends_in_leaves() {
     if constexpr (Leaf<T>) {
         return true;
@@ -166,8 +182,8 @@ template <class T> consteval bool ends_in_leaves() {
     }
 }
 
-/// Whether the field list names every byte of T once, in memory order: each leaf gets a mark of its own, and the
-/// marks must then stand in the bytes as the leaves were visited.
+/// True if the field list covers every byte of T once, in memory order. Writes a different mark to each
+/// number, and compares the bytes with the marks in the order of the visit.
 template <class T> consteval bool names_every_byte() {
     if constexpr (!ends_in_leaves<T>()) {
         return false;
@@ -189,21 +205,27 @@ template <class T> consteval bool names_every_byte() {
 }
 } // namespace detail
 
-/// What may stand in the state: plain, no padding, no floats, no pointers, every byte named once and in order.
+/// A type for the state: trivially copyable, without padding, floats and pointers; its field list covers
+/// every byte once and in order.
 template <class T>
 concept StateRow = std::is_trivially_copyable_v<T> && std::has_unique_object_representations_v<T> &&
                        alignof(T) <= 64 &&
                    detail::names_every_byte<T>();
 
-enum class LeafKind : std::uint8_t { unsigned_integer, signed_integer, fixed_point };
+/// Type of a number.
+enum class LeafKind : std::uint8_t {
+    unsigned_integer, ///< unsigned integer or enum
+    signed_integer,   ///< signed integer or enum
+    fixed_point       ///< Fixed
+};
 
-/// One leaf of a row type: where it lies and how its bytes read.
+/// A number of a row type.
 struct LeafInfo {
-    std::string name; ///< "rotation.w", "points[2].key"; "value" where the row is one number
-    std::uint32_t offset;
-    std::uint8_t size; ///< 1, 2, 4 or 8 bytes
-    LeafKind kind;
-    std::uint8_t fraction_bits;
+    std::string name;           ///< "rotation.w", "points[2].key"; "value" for a row of one number
+    std::uint32_t offset;       ///< in the row [bytes]
+    std::uint8_t size;          ///< 1, 2, 4 or 8 bytes
+    LeafKind kind;              ///< type
+    std::uint8_t fraction_bits; ///< fixed_point: fraction bits; else 0
 };
 
 namespace detail {
@@ -238,7 +260,7 @@ void collect_leaves(T& value, const std::byte* base, const std::string& name, st
 }
 } // namespace detail
 
-/// The leaves of a row type in memory order.
+/// The numbers of a row type in memory order.
 template <StateRow T> std::vector<LeafInfo> leaves_of() {
     T value{};
     std::vector<LeafInfo> out;

@@ -69,7 +69,7 @@ struct SessionDef {
     /// Until then the player's inputs are zero and `disconnected`. All players of a machine or none; not
     /// those of self. Equal on every machine.
     std::uint32_t absent = 0;
-    /// delay of local inputs [ticks], 0..32; lockstep: 1..32. Machines may differ
+    /// Delay of local inputs [ticks], 0..32; lockstep: 1..32. Machines may differ.
     std::uint32_t input_delay = 2;
     /// Ticks that may run on predicted inputs, 1..64; lockstep ignores it. Among three or more machines the
     /// departure of one may roll back up to 2 * prediction_max + 8 ticks.
@@ -81,7 +81,7 @@ struct SessionDef {
     /// packet numbers: a link that loses 32,768 packets in a row is dead. In lockstep the input delay must
     /// cover the latency of the slowest machine less 100 ms; a longer latency exhausts the budget.
     std::uint64_t disconnect_ms = 5000;
-    /// timeout for a peer's first packet, from the first poll [ms], at least 1
+    /// Timeout for a peer's first packet, from the first poll [ms], at least 1.
     std::uint64_t connect_ms = 30'000;
     /// Predicts remote inputs. Not owned: it must outlive the session. Not null.
     const InputPredictor* predictor = &repeat_last_input();
@@ -187,7 +187,7 @@ struct DesyncReport {
     std::uint64_t tick = 0;  ///< first confirmed tick after which the states differ
     std::uint64_t local = 0, ///< this machine's root hash after the tick
         remote = 0;          ///< the peer's root hash after the tick; 0: unknown
-    /// first phase of the tick with different hashes when it is run again; empty: unknown
+    /// First phase of the tick with different hashes when it runs again; empty: unknown.
     std::string phase;
     std::vector<std::string> columns; ///< different columns, in manifest order
     /// At most 8: row counts, then rows of the first different page. Left: this machine.

@@ -1,4 +1,4 @@
-// The instruction sets that the solver can use. All give the same bits; the best that the machine has is chosen.
+// Instruction sets of the solver and of collision detection. All give equal bits.
 #pragma once
 
 #include "lockstone/result.h"
@@ -7,15 +7,24 @@
 
 namespace lockstone {
 
-enum class Simd : unsigned char { scalar, sse41, avx2, avx512, neon, wasm128 };
+/// An instruction set.
+enum class Simd : unsigned char {
+    scalar, ///< no vector instructions
+    sse41,  ///< x86: SSE4.1
+    avx2,   ///< x86: AVX2
+    avx512, ///< x86: AVX-512
+    neon,   ///< 64-bit ARM
+    wasm128 ///< WebAssembly SIMD
+};
+/// All instruction sets.
 inline constexpr Simd every_simd[] = {Simd::scalar, Simd::sse41, Simd::avx2,
                                       Simd::avx512, Simd::neon,  Simd::wasm128};
 
-/// As the enumerators; "unknown" for any other value.
+/// Name of the enumerator; "unknown" for any other value. Static string.
 std::string_view name_of(Simd level);
-/// Whether this build and this machine have it.
+/// True if this build and this machine support it.
 bool has_simd(Simd level);
-/// The fastest that this machine has.
+/// The fastest supported one: the default of a world.
 Simd best_simd();
 
 } // namespace lockstone

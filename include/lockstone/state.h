@@ -84,8 +84,8 @@ class StateLayout {
     template <StateRow T> Column<T> add_column(TableId table, std::string name, Group group) {
         return {add_column(table, std::move(name), group, sizeof(T), leaves_of<T>())};
     }
-    /// Adds a column without a row type; returns the index of the column. The leaves must cover every byte of a
-    /// row.
+    /// Adds a column without a row type; returns the index of the column. The leaves must cover every byte of
+    /// a row.
     std::uint32_t add_column(TableId table, std::string name, Group group, std::size_t row_size,
                              std::vector<LeafInfo> leaves);
     /// Computes placements and the schema hash, and moves the layout into the result.
@@ -103,7 +103,7 @@ class StateLayout {
         std::size_t first_page;      ///< first page number of the column; a multiple of pages_per_chunk
     };
     std::span<const Placement> placements() const { return column_placements; } ///< By column index.
-    /// pages with a common version
+    /// Number of pages with a common version.
     static constexpr std::size_t pages_per_chunk = 16;
     /// Pages of all columns at capacity, rounded up to whole chunks for each column.
     std::size_t page_count() const { return pages_total; }
@@ -182,7 +182,7 @@ class Image {
         return {reinterpret_cast<const std::uint32_t*>(block.get()), layout->tables().size()};
     }
     std::shared_ptr<const StateLayout> layout;
-    /// same layout as the state; zero from the last live row to the end of its cache line
+    /// Laid out as the state; zero from the last live row to the end of its cache line.
     detail::Block block;
     detail::Owner owner;
     detail::Versions versions;

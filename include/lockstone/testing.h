@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+/// Access for tests and proofs.
 namespace lockstone::testing {
 
 /// Data outside the state that a tick leaves behind. It must not affect later ticks.

@@ -25,6 +25,7 @@
 #include <string>
 #include <vector>
 
+/// The Lockstone library.
 namespace lockstone {
 
 class Tasks; // lockstone/tasks.h
@@ -53,7 +54,7 @@ class World {
     struct Memory {
         std::uint64_t state; ///< The state block and its hashes. Each further copy takes as much.
         std::uint64_t work;  ///< Everything else: scratch memory, caches, trees.
-        /// state + work.
+        /// Sum of both.
         std::uint64_t all() const { return state + work; }
     };
     /// Memory that a world of this definition may take at most. Check it before you create a world from a
@@ -66,9 +67,9 @@ class World {
     /// no events.
     World clone() const;
     /// Allocates memory for at least `rows` objects, so that later ticks and commands rarely allocate.
-    /// Without it tables grow by a quarter or more at a time. No hash, image or result depends on it. Ring images get
-    /// their memory at the next save. Invalidates references into the state. Errors: a count above the limit
-    /// of the definition.
+    /// Without it tables grow by a quarter or more at a time. No hash, image or result depends on it. Ring
+    /// images get their memory at the next save. Invalidates references into the state. Errors: a count above
+    /// the limit of the definition.
     Status reserve(const WorldRows& rows);
     WorldRows capacity() const; ///< Number of objects that fit into the memory allocated now.
     /// Expires when this object is destroyed. A move of the state to another object does not expire it.

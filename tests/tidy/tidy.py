@@ -22,8 +22,8 @@ WITHOUT_BUILD = ["words", "compilers", "layers", "headers", "includes", "sizes",
 OF_RELEASE = ["instructions", "optimised"]
 SLOW = ["lint"]  # a minute
 OF_PROGRAM = ["stored_hashes"]  # of bin/lockstone in the build's folder, of any build type
-OF_WINDOWS = ["winsock"]  # where its compiler is installed
-CHECKS = WITHOUT_BUILD + SLOW + OF_RELEASE + OF_PROGRAM + OF_WINDOWS
+OF_TOOL = ["winsock", "documented"]  # skipped unless mingw-w64 or doxygen is installed
+CHECKS = WITHOUT_BUILD + SLOW + OF_RELEASE + OF_PROGRAM + OF_TOOL
 SKIPPED = 77  # what ctest takes for a test that cannot run
 
 
@@ -78,7 +78,7 @@ def main():
     if not arguments.planted and arguments.build_type != "Release" and set(names) & set(OF_RELEASE):
         print(f"{', '.join(names)}: is about the release build, and this build's type is {arguments.build_type or 'none'}")
         sys.exit(SKIPPED)
-    for name in set(names) & set(OF_WINDOWS):
+    for name in set(names) & set(OF_TOOL):
         if reason := importlib.import_module(name).missing():
             print(f"{name}: {reason}")
             sys.exit(SKIPPED)

@@ -350,6 +350,7 @@ template <char... Characters> struct Literal {
 };
 } // namespace detail
 
+/// Decimal literals.
 inline namespace literals {
 /// 0.005_r is the Real nearest to 5/1000. A malformed or out-of-range literal does not compile. Not
 /// consteval, because clang takes the address of a consteval function in templates and default member

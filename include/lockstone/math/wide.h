@@ -1,8 +1,10 @@
-// Products of 64-bit integers, kept whole: a signed 128-bit value with the few operations fixed point needs.
+// Signed 128-bit integers with the operations that fixed-point arithmetic needs: exact products of 64-bit
+// integers.
 //
-// Two implementations with the same interface and the same bits: WideNative on the compiler's 128-bit
-// integer, WidePortable on two 64-bit halves for MSVC, 32-bit targets and wasm. `Wide` names the one in use;
-// -DLOCKSTONE_PORTABLE_WIDE=1 forces the portable one. Tests run both and compare.
+// Two implementations with one interface and equal bits: WideNative uses the compiler's 128-bit integer,
+// WidePortable two 64-bit halves, for MSVC, 32-bit targets and WebAssembly. `Wide` is the selected one;
+// -DLOCKSTONE_PORTABLE_WIDE=1 selects the portable one. Tests compare both. All functions are pure and
+// thread-safe.
 #pragma once
 
 #include "lockstone/compiler.h"
@@ -14,16 +16,16 @@
 
 namespace lockstone {
 
-/// floor(log2(v)) + 1, that is the number of bits v needs; 0 for 0.
+/// Number of significant bits, floor(log2(v)) + 1; 0 for 0.
 constexpr int bit_length(std::uint64_t v) { return 64 - std::countl_zero(v); }
 
-/// |v| as an unsigned value: right for the most negative value too.
+/// |v| as an unsigned integer; correct for the most negative v too.
 constexpr std::uint64_t magnitude(std::int64_t v) {
     return v < 0 ? 0 - static_cast<std::uint64_t>(v) : static_cast<std::uint64_t>(v);
 }
 
 namespace detail {
-/// Out of line, so that the way of nearly every number is one comparison and no selection.
+/// Out of line, so that the usual path has one comparison and no select instruction.
 #if LOCKSTONE_GNU
 [[gnu::noinline, gnu::cold]]
 #endif
@@ -48,7 +50,7 @@ constexpr std::int64_t add_saturated(std::int64_t a, std::int64_t b) {
     const bool overflows = __builtin_add_overflow(a, b, &sum);
 #else
     sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
-    // Exactly when both terms have the sign that the sum has not.
+    // Overflow: both terms have another sign than the sum.
     const bool overflows = ((a ^ sum) & (b ^ sum)) < 0;
 #endif
     if (overflows) [[unlikely]]
@@ -70,12 +72,12 @@ constexpr std::int64_t sub_saturated(std::int64_t a, std::int64_t b) {
     return difference;
 }
 
-/// floor(v / 2^shift + 1/2), the one rounding of the library. 0 <= shift <= 62; no intermediate overflow.
+/// floor(v / 2^shift + 1/2), the rounding of the library. 0 <= shift <= 62; no intermediate overflow.
 constexpr std::int64_t shift_right_rounded(std::int64_t v, int shift) {
     if (shift == 0) return v;
 #if LOCKSTONE_GNU
     if (__builtin_constant_p(shift) && shift > 1)
-        return ((v >> (shift - 1)) + 1) >> 1; // the same, two steps less
+        return ((v >> (shift - 1)) + 1) >> 1; // equal, two instructions less
 #endif
     return (v >> shift) + ((v >> (shift - 1)) & 1);
 }
@@ -88,16 +90,17 @@ constexpr std::int64_t shift_left_saturated(std::int64_t v, int shift) {
     return shifted;
 }
 
-/// A signed 128-bit value in two halves. Arithmetic wraps at 128 bits, as WideNative's does.
+/// A signed 128-bit integer in two halves. Arithmetic wraps, as that of WideNative.
 struct WidePortable {
-    std::uint64_t low;
-    std::int64_t high;
+    std::uint64_t low; ///< bits 0..63
+    std::int64_t high; ///< bits 64..127
 
+    /// The integer v.
     static constexpr WidePortable from(std::int64_t v) {
         return {static_cast<std::uint64_t>(v), v < 0 ? -1 : 0};
     }
 
-    /// The unsigned product of two 64-bit values, from four 32-bit products.
+    /// The product of two unsigned 64-bit integers, from four 32-bit products.
     static constexpr WidePortable product_unsigned(std::uint64_t a, std::uint64_t b) {
         const std::uint64_t a0 = a & 0xffffffffu, a1 = a >> 32, b0 = b & 0xffffffffu, b1 = b >> 32;
         const std::uint64_t p00 = a0 * b0, p01 = a0 * b1, p10 = a1 * b0, p11 = a1 * b1;
@@ -105,15 +108,18 @@ struct WidePortable {
         return {(middle << 32) | (p00 & 0xffffffffu),
                 static_cast<std::int64_t>(p11 + (p01 >> 32) + (p10 >> 32) + (middle >> 32))};
     }
+    /// The product of two signed 64-bit integers.
     static constexpr WidePortable product(std::int64_t a, std::int64_t b) {
         WidePortable p = product_unsigned(static_cast<std::uint64_t>(a), static_cast<std::uint64_t>(b));
-        // A negative factor was read as itself + 2^64: take the other factor's 2^64 off again.
+        // A negative factor was used as itself + 2^64: subtract 2^64 times the other factor.
         std::uint64_t high = static_cast<std::uint64_t>(p.high);
         if (a < 0) high -= static_cast<std::uint64_t>(b);
         if (b < 0) high -= static_cast<std::uint64_t>(a);
         return {p.low, static_cast<std::int64_t>(high)};
     }
 
+    /// Arithmetic and comparison.
+    ///@{
     friend constexpr WidePortable operator+(WidePortable a, WidePortable b) {
         const std::uint64_t sum = a.low + b.low;
         return {sum, static_cast<std::int64_t>(static_cast<std::uint64_t>(a.high) +
@@ -130,9 +136,11 @@ struct WidePortable {
     friend constexpr bool operator<(WidePortable a, WidePortable b) {
         return a.high != b.high ? a.high < b.high : a.low < b.low;
     }
-    constexpr bool is_negative() const { return high < 0; }
+    ///@}
+    constexpr bool is_negative() const { return high < 0; } ///< True below 0.
 
-    /// Shifts by 0..127; right is arithmetic.
+    /// Shifts by 0..127; the right shift is arithmetic.
+    ///@{
     friend constexpr WidePortable operator<<(WidePortable a, int n) {
         if (n == 0) return a;
         if (n >= 64) return {0, static_cast<std::int64_t>(a.low << (n - 64))};
@@ -144,17 +152,18 @@ struct WidePortable {
         if (n >= 64) return {static_cast<std::uint64_t>(a.high >> (n - 64)), a.high < 0 ? -1 : 0};
         return {(a.low >> n) | (static_cast<std::uint64_t>(a.high) << (64 - n)), a.high >> n};
     }
-    constexpr std::uint64_t low_bits() const { return low; }
-    constexpr std::int64_t high_bits() const { return high; }
+    ///@}
+    constexpr std::uint64_t low_bits() const { return low; }  ///< Bits 0..63.
+    constexpr std::int64_t high_bits() const { return high; } ///< Bits 64..127.
 };
 
 #if LOCKSTONE_HAS_INT128
-__extension__ typedef __int128 int128_t;
-__extension__ typedef unsigned __int128 uint128_t;
+__extension__ typedef __int128 int128_t;           ///< the compiler's signed type
+__extension__ typedef unsigned __int128 uint128_t; ///< the compiler's unsigned type
 
 namespace detail {
-/// v, as something of 64 bits that is known from nowhere else. g++ widens a factor of several products once for all, forgets that it was
-/// narrow, and then takes three multiplications for each product, which is one.
+/// Returns v and hides its origin from g++. Otherwise g++ widens a common factor of several products once,
+/// and then uses three multiplications for each product in place of one.
 constexpr std::int64_t kept_narrow(std::int64_t v) {
 #if !defined(__clang__)
     if (!std::is_constant_evaluated() && !__builtin_constant_p(v)) asm("" : "+r"(v));
@@ -163,17 +172,21 @@ constexpr std::int64_t kept_narrow(std::int64_t v) {
 }
 } // namespace detail
 
-/// A signed 128-bit value on the compiler's own type. Arithmetic wraps.
+/// A signed 128-bit integer of the compiler's type. Arithmetic wraps. Members as those of WidePortable.
 struct WideNative {
-    int128_t value;
+    int128_t value; ///< the integer
 
-    static constexpr WideNative from(std::int64_t v) { return {v}; }
+    static constexpr WideNative from(std::int64_t v) { return {v}; } ///< The integer v.
+    /// The product of two signed 64-bit integers.
     static constexpr WideNative product(std::int64_t a, std::int64_t b) {
         return {static_cast<int128_t>(detail::kept_narrow(a)) * detail::kept_narrow(b)};
     }
+    /// The product of two unsigned 64-bit integers.
     static constexpr WideNative product_unsigned(std::uint64_t a, std::uint64_t b) {
         return {static_cast<int128_t>(static_cast<uint128_t>(a) * b)};
     }
+    /// Arithmetic, comparison and shifts.
+    ///@{
     friend constexpr WideNative operator+(WideNative a, WideNative b) {
         return {static_cast<int128_t>(static_cast<uint128_t>(a.value) + static_cast<uint128_t>(b.value))};
     }
@@ -182,23 +195,30 @@ struct WideNative {
     }
     friend constexpr bool operator==(WideNative a, WideNative b) { return a.value == b.value; }
     friend constexpr bool operator<(WideNative a, WideNative b) { return a.value < b.value; }
-    constexpr bool is_negative() const { return value < 0; }
+    ///@}
+    constexpr bool is_negative() const { return value < 0; } ///< True below 0.
+    /// Shifts by 0..127; the right shift is arithmetic.
+    ///@{
     friend constexpr WideNative operator<<(WideNative a, int n) {
         return {static_cast<int128_t>(static_cast<uint128_t>(a.value) << n)};
     }
     friend constexpr WideNative operator>>(WideNative a, int n) { return {a.value >> n}; }
+    ///@}
+    /// Bits 0..63.
     constexpr std::uint64_t low_bits() const { return static_cast<std::uint64_t>(value); }
+    /// Bits 64..127.
     constexpr std::int64_t high_bits() const { return static_cast<std::int64_t>(value >> 64); }
 };
 #endif
 
 #if LOCKSTONE_HAS_INT128 && !LOCKSTONE_PORTABLE_WIDE
-using Wide = WideNative;
+using Wide = WideNative; ///< the selected 128-bit integer
 #else
-using Wide = WidePortable;
+using Wide = WidePortable; ///< the selected 128-bit integer
 #endif
 
-/// a + b and a - b clamped to 128 bits: three squares of 64-bit values can reach 3 * 2^126.
+/// a + b and a - b, clamped to 128 bits: three squares of 64-bit integers can reach 3 * 2^126.
+///@{
 template <class W>
 requires requires(W w) { w.high_bits(); }
 constexpr W add_saturated(W a, W b) {
@@ -216,6 +236,8 @@ constexpr W sub_saturated(W a, W b) {
     return a.is_negative() ? smallest : smallest - W::from(1);
 }
 
+///@}
+
 /// w clamped to the range of int64.
 template <class W> constexpr std::int64_t saturate_to_int64(W w) {
     const std::int64_t low = static_cast<std::int64_t>(w.low_bits());
@@ -230,7 +252,7 @@ template <class W> constexpr std::int64_t narrow_rounded(W w, int shift) {
 #if LOCKSTONE_GNU
     if (__builtin_constant_p(shift) && shift > 1) {
         const W twice = (w >> (shift - 1)) + W::from(1);
-        if (static_cast<std::uint64_t>(twice.high_bits()) + 1 <= 1) [[likely]] // it has 65 bits at most
+        if (static_cast<std::uint64_t>(twice.high_bits()) + 1 <= 1) [[likely]] // at most 65 bits
             return static_cast<std::int64_t>((twice >> 1).low_bits());
         return w.is_negative() ? std::numeric_limits<std::int64_t>::min()
                                : std::numeric_limits<std::int64_t>::max();
@@ -240,7 +262,7 @@ template <class W> constexpr std::int64_t narrow_rounded(W w, int shift) {
     return saturate_to_int64((w >> shift) + half_bit);
 }
 
-/// narrow_rounded() of a product: there half a step more has room. 0 <= shift <= 63.
+/// narrow_rounded() of a product, faster: a product plus half a step cannot overflow. 0 <= shift <= 63.
 constexpr std::int64_t product_rounded(std::int64_t a, std::int64_t b, int shift) {
     if (shift == 0) return saturate_to_int64(Wide::product(a, b));
     const Wide w = Wide::product(a, b) + Wide::from(std::int64_t{1} << (shift - 1));
@@ -251,12 +273,14 @@ constexpr std::int64_t product_rounded(std::int64_t a, std::int64_t b, int shift
     return high < 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
 }
 
-/// The quotient and remainder of (high * 2^64 + low) / divisor. Needs high < divisor.
+/// Result of a division.
 struct QuotientRemainder {
-    std::uint64_t quotient, remainder;
+    std::uint64_t quotient, ///< floor of the quotient
+        remainder;          ///< below the divisor
 };
 
-/// Knuth's algorithm D with two 32-bit digits. source: Knuth, TAOCP vol. 2, 4.3.1; Warren, Hacker's Delight, 9-4.
+/// divide_128_by_64() with 64-bit integers: Knuth's algorithm D with two 32-bit digits. Source: Knuth, TAOCP
+/// vol. 2, 4.3.1; Warren, Hacker's Delight, 9-4.
 constexpr QuotientRemainder divide_128_by_64_portable(std::uint64_t high, std::uint64_t low,
                                                       std::uint64_t divisor) {
     const int shift = std::countl_zero(divisor);
@@ -279,18 +303,19 @@ constexpr QuotientRemainder divide_128_by_64_portable(std::uint64_t high, std::u
     return {quotient, rest >> shift};
 }
 
+/// (high * 2^64 + low) / divisor. Requires high < divisor.
 constexpr QuotientRemainder divide_128_by_64(std::uint64_t high, std::uint64_t low, std::uint64_t divisor) {
 #if LOCKSTONE_HAS_INT128 && !LOCKSTONE_PORTABLE_WIDE
     const uint128_t n = (static_cast<uint128_t>(high) << 64) | low;
-    const auto quotient = static_cast<std::uint64_t>(n / divisor); // n % divisor would divide a second time
+    const auto quotient = static_cast<std::uint64_t>(n / divisor); // n % divisor would be a second division
     return {quotient, low - quotient * divisor};
 #else
     return divide_128_by_64_portable(high, low, divisor);
 #endif
 }
 
-/// floor(n * 2^shift / d + 1/2), clamped to int64; n / 0 is the largest value with n's sign, 0 / 0 is 0.
-/// 0 <= shift <= 63.
+/// floor(n * 2^shift / d + 1/2), clamped to int64. n / 0 is the largest or smallest int64 by the sign of n; 0
+/// / 0 is 0. 0 <= shift <= 63.
 constexpr std::int64_t divide_shifted(std::int64_t n, std::int64_t d, int shift) {
     constexpr std::int64_t largest = std::numeric_limits<std::int64_t>::max();
     constexpr std::int64_t smallest = std::numeric_limits<std::int64_t>::min();
@@ -302,7 +327,7 @@ constexpr std::int64_t divide_shifted(std::int64_t n, std::int64_t d, int shift)
     if (high >= dm) return negative ? smallest : largest;
     const QuotientRemainder qr =
         high == 0 ? QuotientRemainder{low / dm, low % dm} : divide_128_by_64(high, low, dm);
-    // Ties go towards plus infinity: up when positive, down in magnitude when negative.
+    // Ties round towards plus infinity: up if positive, down in magnitude if negative.
     const std::uint64_t rest = dm - qr.remainder;
     const std::uint64_t q = qr.quotient + ((negative ? qr.remainder > rest : qr.remainder >= rest) ? 1u : 0u);
     if (!negative)

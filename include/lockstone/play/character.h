@@ -38,7 +38,7 @@ struct CharacterDef {
     std::uint32_t category = 1;            ///< ShapeDef::category of its capsule
     std::uint32_t mask = 0xffffffffu;      ///< ShapeDef::mask of its capsule
     std::int32_t group = 0;                ///< ShapeDef::group of its capsule
-    /// ticks after walking off an edge in which it can still jump, 0..1000
+    /// Number of ticks after walking off an edge in which it can still jump, 0..1000.
     std::uint32_t coyote_ticks = 6;
     std::uint32_t jump_buffer_ticks = 6;   ///< ticks for which an early press of jump is stored, 0..1000
     Real radius = 0.3_r;                   ///< of the capsule [m], 0.05..10

@@ -71,7 +71,7 @@ struct WheelDef {
     Real radius = 0.35_r;             ///< [m], 0.01..10
     Real width = 0.25_r;              ///< [m], 0.01..10
     Real inertia = 0.9_r;             ///< about the axle [kg m^2], 0.001..1e6; wheels of a track add up
-    /// angle at full steering [rad], within 1.3; negative: opposite direction
+    /// Angle at full steering [rad], within 1.3; negative: opposite direction.
     Real steer_max{};
     Real drive_share{};         ///< part of the engine torque, 0..1; the sum over all wheels is 1 or 0
     Real brake_torque{};        ///< at full brake [N m], 0..1e8

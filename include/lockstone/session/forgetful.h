@@ -1,4 +1,4 @@
-// For tests of sessions: a simulation that restores badly.
+// For tests of sessions: a simulation with a faulty restore.
 #pragma once
 
 #include "lockstone/session.h"
@@ -8,14 +8,16 @@
 
 namespace lockstone::testing {
 
-/// Drives another simulation, but one column keeps its present values at every restore, as if the snapshot lacked it: a sync test
-/// has to notice. The other one outlives it.
+/// Wraps another simulation. A restore leaves one column unchanged, as if the image did not have it; a sync
+/// test must detect this. The other simulation is not owned.
 class ForgetfulSimulation final : public Simulation {
   public:
-    /// `column`: its name in the state, which has to have it (asserted); empty: forgets nothing.
+    /// `column`: name of a column; empty: none. An unknown column ends the program at the first restore.
     ForgetfulSimulation(Simulation& driven, std::string column) : real(driven), left_out(std::move(column)) {}
-    void save(Image& image) const override { real.save(image); }
-    void restore(const Image& image) override;
+    void save(Image& image) const override { real.save(image); } ///< As the other simulation.
+    void restore(const Image& image) override;                   ///< Leaves the column unchanged.
+    /// As the other simulation.
+    ///@{
     void advance(std::span<const PlayerInput> inputs) override { real.advance(inputs); }
     std::uint64_t hash() const override { return real.hash(); }
     std::span<const Event> events() const override { return real.events(); }
@@ -26,6 +28,7 @@ class ForgetfulSimulation final : public Simulation {
     }
     void record_phase_hashes(bool on) override { real.record_phase_hashes(on); }
     std::span<const PhaseHash> phase_hashes() const override { return real.phase_hashes(); }
+    ///@}
 
   private:
     Simulation& real;

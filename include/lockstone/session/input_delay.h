@@ -1,35 +1,37 @@
-// How long to delay the own input, as the way to the other machines changes.
+// Adaptive input delay: follows the latency to the other machines.
 //
 //   InputDelayTuner tuner({.tick_rate = 60});
 //   each frame: session->set_input_delay(tuner.update({{session->quality(other)}}));
 //
-// A longer delay costs the own player time, and saves the others rollbacks: an input that is sent d ticks before it counts and
-// takes w ticks on its way is guessed for w - d ticks. Machines tune alone and may differ.
+// A longer delay costs this player response time and saves the others rollbacks: with a delay of d ticks and
+// a latency of w ticks the others predict w - d ticks. Each machine tunes its own delay.
 #pragma once
 
 #include "lockstone/session.h"
 
 namespace lockstone {
 
-/// Values beyond the ranges count as the nearest.
+/// Settings of an InputDelayTuner. Values out of range are clamped.
 struct InputDelayDef {
-    std::uint32_t tick_rate = 60; ///< of frames, 1..1000 [1/s]
-    /// Up to so many ticks may be guessed: what the others run again, and see change, for the own input.
-    std::uint32_t rollback_ticks = 4;
-    std::uint32_t least = 1, most = 8; ///< [ticks], 0..32; lockstep needs at least 1
+    std::uint32_t tick_rate = 60;     ///< frames for each second [1/s], 1..1000
+    std::uint32_t rollback_ticks = 4; ///< ticks that the others may predict
+    std::uint32_t least = 1,          ///< minimum delay [ticks], 0..most; lockstep: at least 1
+        most = 8;                     ///< maximum delay [ticks], 0..32
 };
 
-/// Rises a tick once the delay has been too short for half a second in all, and falls a tick once it has been too long for five
-/// seconds: a way that only trembles moves nothing. Each change repeats or drops one input (Session::set_input_delay).
+/// Computes the input delay. It rises by a tick after it was too short for half a second in total, and falls
+/// by a tick after it was too long for five seconds without a break, so jitter has no effect. Each change
+/// repeats or drops an input (Session::set_input_delay()).
 class InputDelayTuner {
   public:
-    explicit InputDelayTuner(const InputDelayDef& def);
-    /// Once a frame, with all other machines; those that are not connected do not count. The delay to use from now on [ticks].
+    explicit InputDelayTuner(const InputDelayDef& def); ///< Starts with the minimum delay.
+    /// Returns the delay to use [ticks]. Call it in each frame with all other machines; those without a
+    /// connection are ignored.
     std::uint32_t update(std::span<const PeerQuality> peers);
-    std::uint32_t delay() const { return now; }
+    std::uint32_t delay() const { return now; } ///< The present delay [ticks].
 
   private:
-    /// Half the slowest round trip, rounded up to ticks, less what may be guessed.
+    /// Half the slowest round trip, rounded up to ticks, minus rollback_ticks; clamped to least..most.
     std::uint32_t wanted(std::span<const PeerQuality> peers) const;
 
     InputDelayDef def;

@@ -1,9 +1,9 @@
-// How packets travel: the interface that sessions use, and a network in memory for tests, demos and soak runs.
+// Transport of packets: the interface of sessions, and a simulated network for tests, demos and soak runs.
 //
 //   SimulatedNetwork network(2, {.latency_ms = 60, .jitter_ms = 20, .loss_permille = 100}, /*seed=*/7);
 //   each frame: network.advance_to(now_ms); the sessions on network.endpoint(0) and endpoint(1) poll
 //
-// A transport may lose, repeat, reorder and damage packets: sessions expect nothing better.
+// A transport may lose, duplicate, reorder and damage packets; sessions handle all of it.
 #pragma once
 
 #include <cstddef>
@@ -14,69 +14,80 @@
 
 namespace lockstone {
 
-/// Names one machine of a match; the same number on every machine.
+/// Id of a machine of a match, equal on every machine.
 using PeerId = std::uint32_t;
 
-/// No packet of a session is longer: fits an Ethernet frame through any tunnel, so it is never split on the way.
+/// Length of the longest packet of a session [bytes]. It fits into an Ethernet frame through any tunnel,
+/// without fragmentation.
 inline constexpr std::size_t packet_bytes_max = 1200;
 
-/// A packet that has arrived.
+/// A received packet.
 struct Datagram {
-    PeerId from;
-    std::span<const std::byte> bytes; ///< valid until the next call of receive
+    PeerId from;                      ///< sender
+    std::span<const std::byte> bytes; ///< valid until the next call of receive()
 };
 
-/// One machine's access to the others. Implemented by SimulatedNetwork, or by the game over what carries its packets;
-/// lockstone/net.h has one over UDP.
+/// A machine's connection to the others. Implementations: SimulatedNetwork, UdpTransport (lockstone/net.h),
+/// or the game's own.
 class Transport {
   public:
     virtual ~Transport() = default;
-    /// Hands over one packet, at most packet_bytes_max long. It may never arrive; nobody tells.
+    /// Sends a packet of at most packet_bytes_max bytes. Best effort: failures are not reported.
     virtual void send(PeerId to, std::span<const std::byte> bytes) = 0;
-    /// The next packet that has arrived, whoever sent it, whatever is in it; nothing when there is none.
+    /// The next received packet, with any sender and content; empty: none.
     virtual std::optional<Datagram> receive() = 0;
-    /// Whether what `receive` hands over is what the machine it names has sent, to the bit, and to this match. Then packets
-    /// carry no checksum of their own. The same at both ends.
+    /// True if the transport guarantees sender, match and content of received packets. Sessions then omit
+    /// their checksum. Must be equal on both machines. Default: false.
     virtual bool authenticated() const { return false; }
 };
 
-/// How one direction between two endpoints behaves. Chances are in 1/1000, each packet on its own.
+/// Behaviour of one direction between two endpoints. Probabilities are in 1/1000, independent for each
+/// packet.
 struct LinkDef {
-    std::uint32_t latency_ms = 0;
-    std::uint32_t jitter_ms = 0; ///< added to the latency, uniform in 0..jitter_ms; reorders by itself
-    std::uint32_t loss_permille = 0;
-    std::uint32_t duplicate_permille = 0; ///< arrives twice, with independent jitter
-    std::uint32_t reorder_permille = 0;   ///< held back by reorder_ms, so that later packets overtake it
-    std::uint32_t reorder_ms = 50;
-    std::uint32_t damage_permille = 0; ///< one byte is changed on the way
+    std::uint32_t latency_ms = 0; ///< delay [ms]
+    /// Additional delay, uniform in 0..jitter_ms [ms]; reorders packets.
+    std::uint32_t jitter_ms = 0;
+    std::uint32_t loss_permille = 0;      ///< probability of loss
+    std::uint32_t duplicate_permille = 0; ///< probability of a second copy, with its own jitter
+    std::uint32_t reorder_permille = 0;   ///< probability of an additional delay of reorder_ms
+    std::uint32_t reorder_ms = 50;        ///< [ms]
+    std::uint32_t damage_permille = 0;    ///< probability of a changed byte
 };
 
-/// N endpoints in memory. The same seed and the same calls deliver the same packets in the same order, always.
+/// A network in memory. Equal seeds and calls deliver equal packets in equal order. One thread at a time.
 class SimulatedNetwork {
   public:
+    /// `endpoints` endpoints with a link in both directions between each two.
     SimulatedNetwork(std::uint32_t endpoints, const LinkDef& every_link, std::uint64_t seed);
     SimulatedNetwork(const SimulatedNetwork&) = delete;
     SimulatedNetwork& operator=(const SimulatedNetwork&) = delete;
     ~SimulatedNetwork();
 
+    /// The transport of an endpoint, valid as long as the network. A wrong id here and below ends the
+    /// program.
     Transport& endpoint(PeerId peer);
-    /// One direction; packets on their way keep the old behaviour.
+    /// Replaces the behaviour of one direction for later packets.
     void set_link(PeerId from, PeerId to, const LinkDef& def);
-    /// Both directions of every link of an endpoint: pulls its plug, until set_link puts it back.
+    /// Loses all packets to and from an endpoint, until set_link().
     void unplug(PeerId peer);
-    /// Time never goes backwards. Packets due by now can be received.
+    /// Sets the time [ms]; receive() then returns packets due by now. An earlier time ends the program.
     void advance_to(std::uint64_t now_ms);
 
+    /// Packets since the start.
     struct Counters {
-        std::uint64_t sent, lost, duplicated, damaged, delivered;
+        std::uint64_t sent, ///< calls of send()
+            lost,           ///< lost
+            duplicated,     ///< sent twice
+            damaged,        ///< with a changed byte
+            delivered;      ///< received
     };
-    const Counters& counters() const { return counts; }
+    const Counters& counters() const { return counts; } ///< Valid as long as the network.
 
   private:
     struct Endpoint;
     struct Link {
         LinkDef def;
-        std::uint64_t random_state; ///< its own stream: what one link draws does not depend on the others
+        std::uint64_t random_state; ///< a separate stream for each link
     };
     void send(PeerId from, PeerId to, std::span<const std::byte> bytes);
     void put_on_the_way(Link& link, PeerId from, PeerId to, std::span<const std::byte> bytes);
