@@ -7,10 +7,10 @@
 //   world.explode({.center = {0_r, 1_r, 0_r}, .radius = 8_r, .impulse = 400_r});
 //
 // Acceleration fields (point gravity, spring, uniform) add up. A body is in a region if its centre of mass
-// is.
+// lies in it.
 //
-// Fluids act on shapes. A shape is in a region if its centre of volume is, with one exception: the top of a
-// box region (local +y) is the surface of the fluid and cuts shapes.
+// Fluids act on shapes. A shape is in a region if its centre of volume lies in it, with one exception: the
+// top of a box region (local +y) is the surface of the fluid and cuts shapes.
 //   buoyancy   weight of the displaced fluid, against gravity and the acceleration fields there. It acts at
 //              the centre of the submerged volume
 //   drag       force (drag_linear + drag_quadratic v) v A, with v the speed relative to the stream and A the

@@ -9,8 +9,9 @@
 //
 // Each pair of players has its own keys: a player cannot read or forge packets between two others. Endpoint,
 // Relay, LobbyClient and WatchDoor have no socket and no clock: the caller passes datagrams and time, and
-// sends the outgoing datagrams. Time is in milliseconds since 1970, because tokens expire; time never goes
-// back. One thread at a time for each object. src/net/README.md has the formats and their sources.
+// sends the outgoing datagrams. Time is in milliseconds since 1970, because tokens expire; a time before the
+// last one counts as the last one. One thread at a time for each object. src/net/README.md has the formats
+// and their sources.
 #pragma once
 
 #include "lockstone/result.h"
@@ -296,8 +297,8 @@ class LobbyClient {
     const std::string& code() const; ///< Code of the room; empty: no answer yet. Valid as long as the client.
     /// The token; empty until all players have entered. Its secret was created here and never sent.
     const std::optional<ConnectToken>& token() const;
-    /// Time of the last authentic answer [ms], as passed to receive(); 0: none. A lobby answers twice a
-    /// second.
+    /// Time of the last authentic answer [ms], as passed to receive(); 0: none. While players wait, a lobby
+    /// answers twice a second.
     std::uint64_t answered_ms() const;
     /// A sentence if the lobby or this client has refused (no such code, the room is full, the lobby is full,
     /// no free place, an invalid code or key); else empty. The client then stops.

@@ -7,7 +7,7 @@
 // Results are pure functions of the state in a total order. Commands since the last tick are taken into
 // account. Each shape gives at most one hit, its first.
 //
-// A query with a senseless argument returns an empty result: a translation longer than query_length_max, a
+// A query with an invalid argument returns an empty result: a translation longer than query_length_max, a
 // geometry that validate() refuses or without its asset, a mesh, height field or plane as the moving
 // geometry, a dead id. Rotations are normalised first.
 //
@@ -31,8 +31,8 @@ struct QueryFilter {
     std::uint32_t kinds = 7;          ///< included bodies: bit 0 static, bit 1 kinematic, bit 2 dynamic
     std::uint32_t sensors = 0;        ///< 1: includes sensors
     BodyId ignore{};                  ///< excludes the shapes of this body; null: none
-    /// 0: a cast ignores each shape that it overlaps at its start, also where it would hit another part of it
-    /// later.
+    /// 0: a cast ignores each shape that it overlaps at its start, even if it would later hit another part of
+    /// it.
     std::uint32_t overlaps = 1;
 };
 

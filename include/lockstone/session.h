@@ -316,7 +316,8 @@ class Session {
   public:
     virtual ~Session() = default;
     /// Receives packets, then sends each peer one packet with the inputs that it lacks. Call it once in each
-    /// frame, also in frames without advance(). `now_ms`: time [ms] from any origin; time never goes back.
+    /// frame, also in frames without advance(). `now_ms`: time [ms] from any origin; a time before the last
+    /// one counts as the last one.
     virtual void poll(std::uint64_t now_ms) = 0;
     /// Sets the input [input_size bytes] of a local player for tick current_tick() + input_delay; a sync test
     /// has no delay. Call it once before each tick; a repetition after a stall is ignored. A wrong size or a

@@ -38,8 +38,8 @@ struct Access; // lockstone/testing.h
 /// Errors. A command with a wrong argument returns an error that names the argument, and changes nothing. A
 /// read function requires a living id, a row below the count and a column of this world's schema; anything
 /// else ends the program with a message, in every build. Any use of a moved-from world does so too. A query
-/// with a senseless argument returns an empty result. Ids carry no world tag: an id of another world may
-/// alias a live object here.
+/// with an invalid argument returns an empty result. Ids carry no world tag: an id of another world may alias
+/// a live object here.
 ///
 /// Threads. Several threads may call const members at the same time, except state(), while no thread calls a
 /// non-const member. Const members keep their caches behind a lock.

@@ -49,7 +49,7 @@ struct WorldDef {
     Real contact_hertz = Real(90);
     Real contact_damping = Real(10); ///< damping ratio of contacts, 0.1..100
     /// Maximum speed at which contacts push overlapping bodies apart [m/s], 0..500. A tenth of it for bodies
-    /// with joints, because their joints would keep that speed.
+    /// with joints, because joints do not remove that speed afterwards.
     Real push_speed_max = Real(3);
     /// Speed limit of a body at rest [m/s], 0..10. A body is at rest while no point of it is faster. It is
     /// also at rest while no point is four times as fast and none is farther than sleep_speed * sleep_time

@@ -338,8 +338,8 @@ Quat integrate_rotation(Quat q, const std::array<std::int64_t, 3>& v, int fracti
 } // namespace detail
 
 /// q rotated by the world-frame rotation vector v [rad] (axis times angle) of any length: the exponential
-/// map, renormalised, within error_bound::rotation. Small half angles have 34 fraction bits before the one
-/// rounding.
+/// map, renormalised, within error_bound::rotation. Small half angles are computed with 34 fraction bits and
+/// rounded once.
 template <FixedPoint T> Quat integrate_rotation(Quat q, Vector3<T> v) {
     return detail::integrate_rotation(q, {v.x.raw, v.y.raw, v.z.raw}, T::fraction_bits);
 }
