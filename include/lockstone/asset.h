@@ -86,11 +86,11 @@ Result<AssetBytes> bake_height_field(const HeightFieldDef& def);
 
 /// A part of a compound.
 struct CompoundPart {
-    Geometry geometry; ///< a primitive or a hull, of scale 1
+    Geometry geometry; ///< a primitive, or a hull of scale 1
     Transform local;   ///< pose in the compound's frame [m]
 };
 /// Bakes a compound of 1..65536 parts within 100 m of the origin; their order remains. Add its hulls to the
-/// library before the compound. Errors: a value out of range.
+/// library before the compound. Errors: a geometry that is not convex, a value out of range.
 Result<AssetBytes> bake_compound(std::span<const CompoundPart> parts);
 
 inline constexpr std::uint32_t asset_set_max = compound_parts_max + 1; ///< assets of a set

@@ -339,7 +339,8 @@ class Session {
     virtual std::optional<Notice> next_notice() = 0; ///< The next notice, oldest first; empty: none.
 
     /// Votes for a peer to leave. Between two machines it has left at the next poll; among more it leaves
-    /// when most of the others vote so too (src/session/README.md). Error: not a peer of this match.
+    /// when most of the others vote so too (src/session/README.md). Errors: not a peer of this match, a
+    /// spectator or sync test session.
     virtual Status drop_peer(PeerId peer) = 0;
 
     /// Sets the source of old states for desync reports. Not owned; null: no reports. False: this session
@@ -395,8 +396,8 @@ class Simulation {
     /// Runs one tick with the inputs [players].
     virtual void advance(std::span<const PlayerInput> inputs) = 0;
     virtual std::uint64_t hash() const = 0; ///< Hash of the state.
-    /// Events of the last tick; valid until the next call. The runner sorts them by `precedes` if necessary
-    /// and keeps the first of equal ones.
+    /// Events of the last tick; valid until the next advance() or restore(). The runner sorts them by
+    /// `precedes` if necessary and keeps the first of equal ones.
     virtual std::span<const Event> events() const = 0;
     virtual State& state() = 0; ///< The state, for memory, reports and tests.
     /// Replaces the state by a portable image from outside. After an error the state is as before.

@@ -118,7 +118,7 @@ struct EngineDef {
                                       {1.2_r, 0.6_r}}};
     Real inertia = 0.3_r;         ///< of crankshaft and flywheel [kg m^2], 0.001..1e5
     Real rpm_idle = Real(900);    ///< minimum speed [1/min], 1..rpm_max; the engine never stalls
-    Real rpm_max = Real(6500);    ///< the limiter cuts the torque above it [1/min], 10..1e5
+    Real rpm_max = Real(6500);    ///< the limiter removes the torque at this speed [1/min], 10..1e5
     Real brake_torque = Real(60); ///< at rpm_max without throttle, proportional to rpm [N m], 0..1e7
 };
 
@@ -180,7 +180,7 @@ struct VehicleInput {
     Real steer{};               ///< -1 left .. 1 right
     Real hand_brake{};          ///< 0..1
     Real clutch{};              ///< clutch pedal, 0..1; 1: open
-    std::int32_t gear = 1;      ///< see GearboxMode, -1..8
+    std::int32_t gear = 1;      ///< see GearboxMode, -1..8; at most forward_count applies
     std::uint32_t reserved = 0; ///< 0
 
     /// Equal fields.
