@@ -35,7 +35,7 @@ class Provable {
     virtual Status load(std::span<const std::byte> bytes) = 0;
     virtual std::uint64_t hash() const = 0; ///< Hash of the state.
 
-    // ---- optional parts; the proof reports checks without them ----
+    // ---- optional parts; prove() reports the checks that are not possible without them ----
     /// Saves the state to a slot in memory, as rollback does. Default: by save().
     virtual void keep(std::size_t slot);
     /// Restores the state of a slot that keep() has filled. Default: by load().

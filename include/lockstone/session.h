@@ -139,8 +139,8 @@ struct Step {
     Stall stall; ///< none: a new tick ran
     /// Execute all in order, after a stall too. Valid until the next advance() or settle().
     std::span<const Request> requests;
-    /// Number of frames to skip (poll without advance), so that slower peers catch up. Not 0 about once a
-    /// second at most, and never above prediction_max (lockstep: the input delay).
+    /// Number of frames to skip (poll without advance), so that slower peers catch up: mostly 0, about once a
+    /// second more, at most prediction_max (lockstep: the input delay).
     std::uint32_t wait_ticks;
 };
 

@@ -169,7 +169,7 @@ constexpr Quat operator*(Quat a, Quat b) {
 /// The rotation matrix of a unit quaternion; each entry is rounded once.
 constexpr Rotation to_rotation(Quat q) {
     using Sum = SumOfProducts<Unit, Unit>;
-    // An entry beside the diagonal is 2 * (sum of two products), so rounding drops one bit less. The diagonal
+    // An off-diagonal entry is 2 * (sum of two products), so rounding drops one bit less. The diagonal
     // uses w^2 + x^2 - y^2 - z^2 in place of 1 - 2 (...): orthonormal to first order when |q| has a rounding
     // error.
     const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;

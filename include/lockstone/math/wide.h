@@ -314,8 +314,8 @@ constexpr QuotientRemainder divide_128_by_64(std::uint64_t high, std::uint64_t l
 #endif
 }
 
-/// floor(n * 2^shift / d + 1/2), clamped to int64. n / 0 is the largest or smallest int64 by the sign of n; 0
-/// / 0 is 0. 0 <= shift <= 63.
+/// floor(n * 2^shift / d + 1/2), clamped to int64. For d = 0 the largest or smallest int64 by the sign of n,
+/// or 0 for n = 0. 0 <= shift <= 63.
 constexpr std::int64_t divide_shifted(std::int64_t n, std::int64_t d, int shift) {
     constexpr std::int64_t largest = std::numeric_limits<std::int64_t>::max();
     constexpr std::int64_t smallest = std::numeric_limits<std::int64_t>::min();
