@@ -246,7 +246,7 @@ struct SetFilter {
     Change<std::int32_t> group{};     ///< ShapeDef::group
 };
 /// Disables or enables contacts between two bodies. The setting ends when either body is destroyed. Shapes of
-/// the same positive group collide all the same.
+/// the same positive group still collide.
 struct SetPairFilter {
     BodyId a,              ///< one body
         b;                 ///< the other body, not the same

@@ -444,7 +444,7 @@ class WorldSimulation final : public Simulation {
     std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) override;
     void record_phase_hashes(bool on) override;               ///< World::record_phase_hashes()
     std::span<const PhaseHash> phase_hashes() const override; ///< World::phase_hashes()
-    /// The first error of Game::advance(), for display. The tick ran all the same, equally on every machine.
+    /// The first error of Game::advance(), for display. The tick ran anyway, equally on every machine.
     /// It may come from a wrong prediction.
     const Status& failure() const { return first_failure; }
 
