@@ -1,5 +1,6 @@
 #include "bench/contest.h"
 
+#include "bench/clock.h"
 #include "engines/lockstone_engine.h"
 
 #include <algorithm>
@@ -38,11 +39,9 @@ struct Lane {
     void advance(const BenchScene& scene, int from, int to, bool timed) {
         for (int tick = from; tick < to; ++tick) {
             if (scene.script) scene.script(*engine, tick);
-            const double heap_before = heap_bytes(), before = engine->seconds_spent();
-            engine->advance(1);
-            const double spent = engine->seconds_spent() - before;
+            const double heap_before = heap_bytes(), spent = timed_act(scene, *engine, tick);
             heap += heap_bytes() - heap_before;
-            if (timed) tick_us.push_back(1e6 * spent);
+            if (timed) tick_us.push_back(spent);
             joint_worst_mm = std::max(joint_worst_mm, widest_joint_mm(scene.scene, *engine));
             if (scene.target.near_points != 0) near_most = std::max(near_most, near_points());
         }
@@ -61,15 +60,18 @@ std::vector<Run> run_once(const BenchScene& scene, const std::vector<Contestant>
                           int judged_after) {
     std::vector<Lane> lanes;
     for (const Contestant& one : who) lanes.emplace_back(one, scene.scene);
-    for (int tick = 0; tick < ticks; tick += block)
-        for (Lane& lane : lanes) lane.advance(scene, tick, std::min(tick + block, ticks), true);
+    for (Lane& lane : lanes) lane.advance(scene, 0, scene.settle, false);
+    const int end = scene.settle + ticks;
+    for (int tick = scene.settle; tick < end; tick += block)
+        for (Lane& lane : lanes) lane.advance(scene, tick, std::min(tick + block, end), true);
     std::vector<Run> runs;
     for (std::size_t i = 0; i < lanes.size(); ++i) {
         Lane& lane = lanes[i];
         Run run{.who = who[i], .tick_us = std::move(lane.tick_us), .heap_mb = lane.heap / 1e6};
         if (judged_after > 0) {
-            lane.advance(scene, ticks, judged_after, false);
+            lane.advance(scene, end, scene.settle + judged_after, false);
             run.quality = quality_of(scene, *lane.engine);
+            if (scene.figure) run.figure = scene.figure(*lane.engine);
         }
         run.joint_worst_mm = lane.joint_worst_mm;
         if (who[i].product == Product::lockstone) {
@@ -109,6 +111,9 @@ Json verdicts(const BenchScene& scene, const std::vector<Run>& runs, const Json&
     if (target.ratio_must != 0 && !bullet_per_ours.is_null()) {
         list.push_back(at_least("Bullet / ours", bullet_per_ours.at("mean").as_double(), target.ratio_must));
         list.back()["goal"] = target.ratio_goal;
+        if (target.p99_ratio_must != 0)
+            list.push_back(
+                at_least("Bullet / ours, p99", bullet_per_ours.at("p99").as_double(), target.p99_ratio_must));
     }
     if (target.overlap_with_static)
         ask("overlap with what is static, mm", ours.quality.overlap_static_mm, target.overlap_mm);
@@ -159,8 +164,18 @@ std::vector<Contestant> default_contestants() {
     return who;
 }
 
-std::vector<Run> contest(const BenchScene& scene, const std::vector<Contestant>& who,
+double timed_act(const BenchScene& scene, Engine& engine, int tick) {
+    const double before = engine.seconds_spent();
+    if (scene.act) return thread_us([&] { scene.act(engine, tick); });
+    engine.advance(1);
+    return 1e6 * (engine.seconds_spent() - before);
+}
+
+std::vector<Run> contest(const BenchScene& scene, const std::vector<Contestant>& all,
                          const ContestPlan& plan) {
+    std::vector<Contestant> who = all;
+    if (!scene.against_ode)
+        std::erase_if(who, [](const Contestant& one) { return one.product == Product::ode; });
     const int ticks = plan.ticks != 0 ? plan.ticks : scene.ticks;
     const int judged_after = plan.ticks != 0 ? plan.ticks : scene.judged_after;
     std::vector<Run> runs = run_once(scene, who, ticks, plan.is_judged ? judged_after : 0);
@@ -186,6 +201,7 @@ Json json_of(const Run& run) {
             {"joint_mm", run.quality.joint_mm},
             {"joint_worst_mm", run.joint_worst_mm},
             {"lost", run.quality.lost},
+            {"figure", run.figure},
             {"contacts", run.contacts},
             {"near_most", run.near_most},
             {"dropped", run.dropped}};
@@ -201,6 +217,7 @@ Json json_of(const BenchScene& scene, const std::vector<Run>& runs) {
             {"joints", scene.scene.joints.size()},
             {"ticks", runs[0].tick_us.size()},
             {"stands", scene.stands},
+            {"figure_name", scene.figure_name},
             {"engines", engines},
             {"bullet_per_ours", bullet},
             {"ode_per_ours", ratio_json(runs, Product::ode)},

@@ -16,6 +16,7 @@ struct Run {
     double heap_mb = 0; ///< at the end, of its own
     Quality quality = {};
     double joint_worst_mm = 0; ///< in any tick
+    double figure = 0;         ///< of a scene that has one of its own
     std::size_t contacts = 0;  ///< points in the last tick; Lockstone only
     std::size_t near_most = 0; ///< of them that do not touch, the most in any tick; Lockstone only
     std::uint64_t dropped = 0; ///< contacts that found no room; Lockstone only
@@ -33,6 +34,9 @@ engines::Contestant bullet_as_it_comes(const std::string& name, int iterations =
 std::vector<engines::Contestant> default_contestants();
 std::vector<Run> contest(const BenchScene& scene, const std::vector<engines::Contestant>& who,
                          const ContestPlan& plan);
+
+/// Runs the timed part of a tick once; returns its time of this thread [us].
+double timed_act(const BenchScene& scene, engines::Engine& engine, int tick);
 
 /// Mean, median and 99th percentile of a run [ms], heap and quality.
 Json json_of(const Run& run);

@@ -10,8 +10,9 @@
 #include <span>
 
 /// What callgrind collects: its name is given on the command line, so it has to be plain, and a function.
-extern "C" __attribute__((noinline)) void lockstone_bench_counted_tick(lockstone::World& world) {
-    world.tick();
+extern "C" __attribute__((noinline)) void
+lockstone_bench_counted_tick(const lockstone::bench::BenchScene& scene, engines::Engine& engine, int tick) {
+    lockstone::bench::timed_act(scene, engine, tick);
 }
 
 namespace lockstone::bench {
@@ -19,9 +20,6 @@ namespace {
 
 using namespace engines;
 namespace fs = std::filesystem;
-
-constexpr int warm_ticks =
-    10; ///< after a restore caches are cold, and the leaves of the broad phase all new: these are not counted
 
 /// A folder that is gone when its owner is.
 class Folder {
@@ -39,12 +37,15 @@ class Folder {
     fs::path path;
 };
 
-/// The state two ticks before the first that counts.
+/// Ticks before the state that is handed over. After a restore caches are cold, and the leaves of the broad phase all new: some ticks
+/// pass before those that count.
+int ticks_before(const BenchScene& scene) { return std::max(scene.counted_from - scene.warm, 0); }
+
 Status write_state(const BenchScene& scene, const Contestant& who, const fs::path& file) {
     const auto engine = make_lockstone(who, scene.scene);
-    for (int tick = 0; tick < scene.counted_from - warm_ticks; ++tick) {
+    for (int tick = 0; tick < ticks_before(scene); ++tick) {
         if (scene.script) scene.script(*engine, tick);
-        engine->advance(1);
+        timed_act(scene, *engine, tick);
     }
     const std::vector<std::byte> state = world_of(*engine).save_portable();
     std::ofstream out(file, std::ios::binary);
@@ -86,7 +87,7 @@ Result<double> count(const BenchScene& scene, const Contestant& who, const fs::p
                      ": cannot count instructions: is valgrind installed? This failed: " + command};
     const Result<double> total = total_of(counts);
     if (!total) return total.error();
-    return *total / counted_ticks;
+    return *total / scene.counted;
 }
 
 } // namespace
@@ -117,19 +118,20 @@ Result<Json> count_instructions(const std::vector<BenchScene>& scenes, const Con
 }
 
 Result<void> run_counted(const BenchScene& scene, const Contestant& who, const std::string& state_file) {
-    std::ifstream in(state_file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     const auto engine = make_lockstone(who, scene.scene);
-    World& world = world_of(*engine);
-    const Status restored = world.restore_portable(std::as_bytes(std::span(bytes)));
-    if (!restored) return Error{state_file + ": " + restored.error().message};
-    const int first = scene.counted_from;
-    for (int tick = first - warm_ticks; tick < first + counted_ticks; ++tick) {
+    const int begin = ticks_before(scene), first = begin + scene.warm;
+    if (begin > 0) { // else the engine is as it was when the state was written
+        std::ifstream in(state_file, std::ios::binary);
+        const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+        const Status restored = world_of(*engine).restore_portable(std::as_bytes(std::span(bytes)));
+        if (!restored) return Error{state_file + ": " + restored.error().message};
+    }
+    for (int tick = begin; tick < first + scene.counted; ++tick) {
         if (scene.script) scene.script(*engine, tick);
         if (tick < first)
-            world.tick();
+            timed_act(scene, *engine, tick);
         else
-            lockstone_bench_counted_tick(world);
+            lockstone_bench_counted_tick(scene, *engine, tick);
     }
     return {};
 }

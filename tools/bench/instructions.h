@@ -6,8 +6,6 @@
 
 namespace lockstone::bench {
 
-inline constexpr int counted_ticks = 4;
-
 /// Runs each scene to the tick that it is counted from, hands its state over to this very program under callgrind and reads
 /// what that counted in a few ticks. `keep`: a folder for callgrind's files, for callgrind_annotate; empty: none are kept.
 Result<Json> count_instructions(const std::vector<BenchScene>& scenes, const engines::Contestant& who,

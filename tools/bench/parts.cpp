@@ -1,6 +1,7 @@
 #include "bench/parts.h"
 
 #include "bench/games.h"
+#include "bench/rows/rows.h"
 #include "bench/state_costs.h"
 #include "scenes/scenes.h"
 
@@ -16,6 +17,7 @@ using namespace engines;
 using Done = std::function<void(const std::string& key, const Json& row)>;
 
 constexpr const char* extra_parts[] = {"state", "awake", "scaling", "verify", "arena", "threads", "front"};
+constexpr const char* all_rows = "rows";
 constexpr const char* not_by_default[] = {"threads", "front"};
 constexpr const char* threaded_scenes[] = {"S1", "S2", "S3", "S4", "grid"};
 constexpr const char* state_scenes[] = {"S1", "S2", "S4", "S6"};
@@ -29,6 +31,17 @@ constexpr double snapshot_bytes_per_body = 700; ///< with all contacts, in S1 an
 bool is_scene(const std::string& name) {
     const std::vector<std::string> names = scene_names();
     return std::ranges::find(names, name) != names.end();
+}
+
+/// Replaces "rows" by the names of all rows.
+std::vector<std::string> expanded(const std::vector<std::string>& parts) {
+    std::vector<std::string> all;
+    for (const std::string& part : parts)
+        if (part == all_rows)
+            for (const Maker& row : rows::makers()) all.emplace_back(row.name);
+        else
+            all.push_back(part);
+    return all;
 }
 
 Size size_of(const Plan& plan) { return plan.quick ? Size::quick : Size::full; }
@@ -187,7 +200,8 @@ std::vector<std::string> part_names() {
 }
 
 Status check_parts(const std::vector<std::string>& parts) {
-    const std::vector<std::string> known = part_names();
+    std::vector<std::string> known = part_names();
+    known.emplace_back(all_rows);
     for (const std::string& part : parts) {
         if (std::ranges::find(known, part) != known.end() || find_scene(part) != nullptr) continue;
         std::string list;
@@ -200,7 +214,7 @@ Status check_parts(const std::vector<std::string>& parts) {
 
 std::vector<BenchScene> chosen_scenes(const Plan& plan) {
     std::vector<BenchScene> scenes;
-    for (const std::string& name : plan.parts.empty() ? scene_names() : plan.parts)
+    for (const std::string& name : plan.parts.empty() ? scene_names() : expanded(plan.parts))
         if (is_scene(name)) scenes.push_back(make_bench_scene(name, size_of(plan)));
     return scenes;
 }
@@ -219,7 +233,7 @@ std::vector<Contestant> chosen_contestants(const Plan& plan) {
 
 Result<Json> run_parts(const Plan& plan, const Done& done) {
     Json all{{"settings", settings(plan)}};
-    std::vector<std::string> parts = plan.parts;
+    std::vector<std::string> parts = expanded(plan.parts);
     if (parts.empty()) {
         parts = part_names();
         std::erase_if(parts, [](const std::string& part) {

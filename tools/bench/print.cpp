@@ -40,6 +40,12 @@ void print_contest(const Json& scene) {
                     stands ? std::to_string(run.at("fallen").as_int()).c_str() : "", number(run, "joint_mm"),
                     number(run, "joint_worst_mm"), run.at("lost").as_int());
     }
+    if (const std::string name = text(scene, "figure_name"); !name.empty()) {
+        std::printf("    %s:", name.c_str());
+        for (const Json& run : scene.at("engines"))
+            std::printf("  %s %.5g", text(run, "engine").c_str(), number(run, "figure"));
+        std::printf("\n");
+    }
     for (const char* peer : {"bullet", "ode"})
         if (const Json& ratio = scene.at(std::string(peer) + "_per_ours"); !ratio.is_null())
             std::printf("    %-16s %9.2f %9.2f %9.2f\n", (std::string(peer) + " / ours").c_str(),

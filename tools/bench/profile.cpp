@@ -50,7 +50,7 @@ Json profile_scene(const BenchScene& scene, const engines::Contestant& who, int 
         if (scene.script) scene.script(*engine, tick);
         clock.spans.clear();
         clock.start();
-        world.tick();
+        timed_act(scene, *engine, tick);
         std::map<std::string, double> sums; // a phase may pass several times
         for (const PhaseClock::Span& span : clock.spans) {
             sums[span.phase] += span.to_us - span.from_us;

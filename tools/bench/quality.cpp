@@ -31,8 +31,11 @@ Scene still_scene(const BenchScene& scene, const Engine& engine) {
         body.position = lost ? V3{3.0 * static_cast<double>(i), 1e4, 1e4} : now.position;
         body.rotation = lost ? Turn{} : now.rotation;
     }
+    still.humans.clear(); // whose bodies and joints are among those of the scene
+    still.cars.clear(), still.walkers.clear(), still.probes.clear();
     for (Joint& joint : still.joints) {
-        joint.limit = joint.motor_force = 0;
+        joint.limit = joint.motor_force = joint.friction = joint.spring_hertz = 0;
+        joint.frames.reset();
         joint.anchor = still.bodies[static_cast<std::size_t>(joint.b)].position;
     }
     return still;

@@ -1,5 +1,7 @@
 #include "bench/scenes.h"
 
+#include "bench/rows/rows.h"
+
 #include "engines/pieces.h"
 
 #include <array>
@@ -16,15 +18,6 @@ V3 place_in_layers(int i, int side, double across, double up, Random& random) {
     return {across * (column - middle) + random.between(-0.05, 0.05), 1 + up * layer,
             across * (row - middle) + random.between(-0.05, 0.05)};
 }
-
-/// By turns a sphere, a box and a capsule, each about a metre.
-Shape mixed_shape(int i) {
-    const std::array<Shape, 3> shapes{sphere(0.5), box({0.5, 0.5, 0.5}), capsule(0.3, 0.4)};
-    return shapes[static_cast<std::size_t>(i % 3)];
-}
-
-/// A floor of 100 x 100 m whose top is at the origin. Box3D, which the bounds of S1 and S4 stem from, has no planes.
-Body slab() { return {.shape = box({50, 0.5, 50}), .position = {0, -0.5, 0}, .friction = 0.6}; }
 
 BenchScene pyramid(Size) {
     BenchScene made{.name = "S1", .about = "pyramid of 820 boxes, base 40"};
@@ -113,27 +106,6 @@ BenchScene ragdolls(Size) {
 
 BenchScene ragdolls_on_plane(Size) {
     return fallen_ragdolls("S4-plane", "the ragdolls of S4 fall onto a plane", ground(0.6));
-}
-
-double hill(double x, double z) {
-    return 1.2 * std::sin(0.35 * x) * std::cos(0.3 * z) + 0.6 * std::sin(0.8 * x + 0.5 * z);
-}
-
-Shape hills(int quads, double spacing) {
-    Shape mesh{.kind = Kind::mesh};
-    const double half = 0.5 * quads * spacing;
-    for (int row = 0; row <= quads; ++row)
-        for (int column = 0; column <= quads; ++column) {
-            const double x = spacing * column - half, z = spacing * row - half;
-            mesh.points.push_back({x, hill(x, z), z});
-        }
-    for (int row = 0; row < quads; ++row)
-        for (int column = 0; column < quads; ++column) {
-            const int a = row * (quads + 1) + column, b = a + 1, c = a + quads + 1, d = c + 1;
-            mesh.faces.push_back({a, d, b});
-            mesh.faces.push_back({a, c, d});
-        }
-    return mesh;
 }
 
 BenchScene terrain(Size) {
@@ -227,33 +199,12 @@ BenchScene joint_grid(Size size) {
     return made;
 }
 
-Body drum_of(double radius, double half_depth) {
-    constexpr int walls = 32, paddles = 8;
-    const double half_width = (radius + 1) * std::tan(pi / walls);
-    Body drum{.spin = {0, 0, 0.436}, .moves = true}; // 25 degrees a second
-    const auto around = [&](Shape shape, double distance, double angle) {
-        const V3 at{distance * std::cos(angle), distance * std::sin(angle), 0};
-        drum.parts.push_back({std::move(shape), at, about({0, 0, 1}, angle)});
-    };
-    for (int i = 0; i < walls; ++i)
-        around(box({0.5, half_width, half_depth + 1}), radius + 0.5, 2 * pi * i / walls);
-    for (int i = 0; i < paddles; ++i)
-        around(box({1, 0.2, half_depth}), radius - 1, 2 * pi * (i + 0.5) / paddles);
-    drum.parts.push_back({box({radius + 1, radius + 1, 0.5}), {0, 0, half_depth + 0.5}});
-    drum.shape = box({0.5, half_width, half_depth + 1});
-    return drum;
-}
-
-/// The ends of the drum turn with it; so does a spindle, for a body has a shape of its own beside its parts.
 BenchScene drum(Size size) {
     const bool full = size == Size::full;
     const double radius = full ? 16 : 5, half_depth = 2;
     const int columns = full ? 32 : 6, rows = full ? 32 : 6, deep = 8, count = full ? 8000 : 200;
     BenchScene made{.name = "drum", .about = "8000 cubes of 0.4 m in a turning drum of 32 m with paddles"};
-    Body turning = drum_of(radius, half_depth);
-    turning.shape = box({radius + 1, radius + 1, 0.5});
-    turning.position = {0, 0, -half_depth - 0.5};
-    for (Part& part : turning.parts) part.position = part.position - turning.position;
+    Body turning = turning_drum(radius, half_depth, 0.436); // 25 degrees a second
     made.scene.add(std::move(turning));
     for (int i = 0; i < count; ++i) {
         const int column = i % columns, layer = i / columns % deep, row = i / (columns * deep);
@@ -266,10 +217,6 @@ BenchScene drum(Size size) {
     return made;
 }
 
-struct Maker {
-    const char* name;
-    BenchScene (*make)(Size);
-};
 constexpr Maker makers[] = {{"S1", pyramid},
                             {"S2", pile},
                             {"S3", hulls},
@@ -286,12 +233,15 @@ constexpr Maker makers[] = {{"S1", pyramid},
 std::vector<std::string> scene_names() {
     std::vector<std::string> names;
     for (const Maker& maker : makers) names.emplace_back(maker.name);
+    for (const Maker& maker : rows::makers()) names.emplace_back(maker.name);
     return names;
 }
 
 BenchScene make_bench_scene(const std::string& name, Size size) {
     for (const Maker& maker : makers)
-        if (name == maker.name) return maker.make(size);
+        if (name == maker.name) return rows::bounded(maker.make(size));
+    for (const Maker& maker : rows::makers())
+        if (name == maker.name) return rows::bounded(maker.make(size));
     return {};
 }
 

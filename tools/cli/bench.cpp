@@ -25,10 +25,14 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    add_texts(command, "PART", args.parts,
-              "S1 to S6, pyramids, grid, drum, S4-plane, state, awake, scaling, verify, arena, threads, "
-              "front, or a "
-              "scene of `lockstone scenes`; none: all but threads, front and those scenes");
+    add_texts(
+        command, "PART", args.parts,
+        "S1 to S6, pyramids, grid, drum, S4-plane; trees, logs, bullets, kinematic-drum, "
+        "kinematic-drum-unswept, ragdoll-rain, ragdolls-50, spring-chains, tower, large-pyramid, characters, "
+        "vehicles, explosions, churn, static-first, static-creation, creation; rays-bodies, rays-mesh, "
+        "ball-cast-mesh, box-cast-mesh, ball-overlap-mesh, box-overlap-mesh, casts-bodies, overlaps-bodies; "
+        "rows: all from trees on; state, awake, scaling, verify, arena, threads, front, or a scene of "
+        "`lockstone scenes`; none: all but threads, front and those scenes");
     add_number(command, "--ticks", args.ticks,
                "to time, with --instructions: before those that count; 0: as the scene asks for", 0, 1000000);
     add_number(command, "--runs", args.runs, "of each scene: of each tick the least counts", 1, 100);

@@ -6,9 +6,15 @@
 #include "engines/scene.h"
 
 #ifdef LOCKSTONE_BULLET
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletDynamics/Character/btKinematicCharacterController.h>
+#include <BulletDynamics/Vehicle/btRaycastVehicle.h>
 #include <LinearMath/btGeometryUtil.h>
 #include <LinearMath/btTransformUtil.h>
 #include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <set>
 
 namespace engines {
 
@@ -82,6 +88,52 @@ std::unique_ptr<btCollisionShape> shape_of(const Shape& shape, bool default_marg
     return std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), scalar(0));
 }
 
+/// A character: a capsule without a body that an action of the world moves.
+struct Walker {
+    Walker(btDiscreteDynamicsWorld& world, V3 feet) : capsule(scalar(0.3), scalar(1.2)) {
+        ghost.setWorldTransform(pose_of(feet + V3{0, 0.9, 0}, {}));
+        ghost.setCollisionShape(&capsule);
+        ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
+        mover = std::make_unique<btKinematicCharacterController>(&ghost, &capsule, scalar(0.35),
+                                                                 btVector3(0, 1, 0));
+        using Filter = btBroadphaseProxy;
+        world.addCollisionObject(&ghost, Filter::CharacterFilter,
+                                 Filter::StaticFilter | Filter::DefaultFilter | Filter::CharacterFilter);
+        world.addAction(mover.get());
+    }
+    btCapsuleShape capsule;
+    btPairCachingGhostObject ghost{};
+    std::unique_ptr<btKinematicCharacterController> mover = nullptr;
+};
+
+/// A car whose wheels are rays.
+struct Vehicle {
+    Vehicle(btDiscreteDynamicsWorld& world, btRigidBody& chassis, V3 hub)
+        : caster(&world), car(tuning, &chassis, &caster) {
+        car.setCoordinateSystem(0, 1, 2);
+        tuning.m_suspensionStiffness = scalar(22), tuning.m_suspensionDamping = scalar(4.2);
+        tuning.m_suspensionCompression = scalar(2.8), tuning.m_frictionSlip = scalar(1.1);
+        for (const double z : {1.0, -1.0})
+            for (const double x : {1.0, -1.0})
+                car.addWheel(vec({x * hub.x, hub.y + 0.3, z * hub.z}), btVector3(0, -1, 0),
+                             btVector3(-1, 0, 0), scalar(0.3), scalar(0.35), tuning, z > 0);
+        world.addVehicle(&car);
+    }
+    btRaycastVehicle::btVehicleTuning tuning{};
+    btDefaultVehicleRaycaster caster;
+    btRaycastVehicle car;
+};
+
+/// Counts the bodies that a shape overlaps.
+struct Overlapped final : btCollisionWorld::ContactResultCallback {
+    btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+                             const btCollisionObjectWrapper* other, int, int) override {
+        if (point.getDistance() <= 0) found.insert(other->getCollisionObject());
+        return 0;
+    }
+    std::set<const btCollisionObject*> found = {};
+};
+
 class Bullet final : public Engine {
   public:
     Bullet(const Contestant& c, const Scene& scene)
@@ -91,9 +143,21 @@ class Bullet final : public Engine {
         world.setGravity(vec(scene.gravity));
         if (c.iterations != 0) world.getSolverInfo().m_numIterations = c.iterations;
         for (const Body& body : scene.bodies) add(body);
-        for (const Joint& joint : scene.joints) join(joint);
+        for (const Joint& joint : scene.joints) join(scene, joint);
+        for (const Shape& probe : scene.probes) probes.push_back(shape_of(probe, default_margins));
+        for (const Car& car : scene.cars) {
+            btRigidBody& chassis = *bodies[static_cast<std::size_t>(car.chassis)];
+            vehicles.push_back(std::make_unique<Vehicle>(world, chassis, car.hub));
+        }
+        if (!scene.walkers.empty()) world.getPairCache()->setInternalGhostPairCallback(&ghost_pairs);
+        for (const V3 feet : scene.walkers) walkers.push_back(std::make_unique<Walker>(world, feet));
     }
     ~Bullet() override {
+        for (const auto& walker : walkers) {
+            world.removeAction(walker->mover.get());
+            world.removeCollisionObject(&walker->ghost);
+        }
+        for (const auto& vehicle : vehicles) world.removeVehicle(&vehicle->car);
         for (const auto& joint : joints) world.removeConstraint(joint.get());
         for (const auto& body : bodies) world.removeRigidBody(body.get());
     }
@@ -112,6 +176,52 @@ class Bullet final : public Engine {
         b.setLinearVelocity(b.getLinearVelocity() + vec(change));
     }
 
+    void walk(int walker, V3 velocity) override {
+        walkers[static_cast<std::size_t>(walker)]->mover->setWalkDirection(vec(velocity * step_time));
+    }
+
+    void drive(int car, double throttle, double steer) override {
+        btRaycastVehicle& driven = vehicles[static_cast<std::size_t>(car)]->car;
+        for (const int rear : {2, 3}) driven.applyEngineForce(scalar(3000 * throttle), rear);
+        for (const int front : {0, 1}) driven.setSteeringValue(scalar(-0.6 * steer), front);
+    }
+
+    int add(const Body& body) override {
+        shapes.push_back(shape_with_parts(body));
+        bodies.push_back(create(body, *shapes.back()));
+        return static_cast<int>(bodies.size()) - 1;
+    }
+
+    void replace(int number, const Body& body) override {
+        std::unique_ptr<btRigidBody>& old = bodies[static_cast<std::size_t>(number)];
+        btCollisionShape& shape = *old->getCollisionShape();
+        world.removeRigidBody(old.get());
+        old = create(body, shape);
+    }
+
+    double cast_ray(V3 from, V3 way) const override {
+        const btVector3 start = vec(from), end = vec(from + way);
+        btCollisionWorld::ClosestRayResultCallback hit(start, end);
+        world.rayTest(start, end, hit);
+        return double{hit.m_closestHitFraction};
+    }
+
+    double cast(int probe, V3 from, V3 way) const override {
+        btCollisionWorld::ClosestConvexResultCallback hit(vec(from), vec(from + way));
+        const auto& shape = static_cast<const btConvexShape&>(*probes[static_cast<std::size_t>(probe)]);
+        world.convexSweepTest(&shape, pose_of(from, {}), pose_of(from + way, {}), hit);
+        return double{hit.m_closestHitFraction};
+    }
+
+    int overlap(int probe, V3 at) const override {
+        btCollisionObject asks;
+        asks.setCollisionShape(probes[static_cast<std::size_t>(probe)].get());
+        asks.setWorldTransform(pose_of(at, {}));
+        Overlapped overlapped;
+        world.contactTest(&asks, overlapped);
+        return static_cast<int>(overlapped.found.size());
+    }
+
   private:
     void tick() override {
         for (int i = 0; i < steps; ++i) {
@@ -126,26 +236,31 @@ class Bullet final : public Engine {
         }
     }
 
-    void add(const Body& body) {
-        shapes.push_back(shape_with_parts(body));
-        const btVector3 inertia = vec(solid_of(body.shape).inertia * body.mass);
-        btRigidBody::btRigidBodyConstructionInfo info(scalar(body.mass), nullptr, shapes.back().get(),
-                                                      inertia);
+    std::unique_ptr<btRigidBody> create(const Body& body, btCollisionShape& shape) {
+        const btVector3 inertia = vec(solid_of(body).inertia * body.mass);
+        btRigidBody::btRigidBodyConstructionInfo info(scalar(body.mass), nullptr, &shape, inertia);
         info.m_startWorldTransform = pose_of(body.position, body.rotation);
         info.m_friction = scalar(std::sqrt(body.friction));
         info.m_restitution = scalar(std::sqrt(body.restitution));
         // A pair has rolling_a friction_b + rolling_b friction_a.
         if (body.rolling_resistance > 0)
             info.m_rollingFriction = scalar(body.rolling_resistance / (2 * std::sqrt(body.friction)));
-        bodies.push_back(std::make_unique<btRigidBody>(info));
-        if (!sleeping) bodies.back()->setActivationState(DISABLE_DEACTIVATION);
-        bodies.back()->setLinearVelocity(vec(body.velocity));
-        bodies.back()->setAngularVelocity(vec(body.spin));
-        if (body.moves) {
-            bodies.back()->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-            kinematic.push_back({bodies.back().get(), vec(body.velocity), vec(body.spin)});
+        auto made = std::make_unique<btRigidBody>(info);
+        if (!sleeping) made->setActivationState(DISABLE_DEACTIVATION);
+        made->setLinearVelocity(vec(body.velocity));
+        made->setAngularVelocity(vec(body.spin));
+        if (body.bullet) {
+            const V3 h = body.shape.half;
+            const double least = std::min({h.x, h.y, h.z});
+            made->setCcdMotionThreshold(scalar(least));
+            made->setCcdSweptSphereRadius(scalar(0.8 * least));
         }
-        world.addRigidBody(bodies.back().get());
+        if (body.moves) {
+            made->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+            kinematic.push_back({made.get(), vec(body.velocity), vec(body.spin)});
+        }
+        world.addRigidBody(made.get());
+        return made;
     }
 
     std::unique_ptr<btCollisionShape> shape_with_parts(const Body& body) {
@@ -167,12 +282,46 @@ class Bullet final : public Engine {
         return body.getCenterOfMassTransform().inverse() * at;
     }
 
-    void join(const Joint& joint) {
+    /// A ball or hinge with limits, springs or friction.
+    void join_rich(const Scene& scene, const Joint& joint, btRigidBody& a, btRigidBody& b) {
+        const Turn plain = from_x_to(joint.axis);
+        const Joint::Frames frames = joint.frames.value_or(Joint::Frames{.a = plain, .b = plain});
+        auto made = std::make_unique<btGeneric6DofSpring2Constraint>(a, b, frame_on(a, joint, frames.a),
+                                                                     frame_on(b, joint, frames.b));
+        made->setLinearLowerLimit(btVector3(0, 0, 0));
+        made->setLinearUpperLimit(btVector3(0, 0, 0));
+        const bool hinge = joint.kind == Link::hinge;
+        // A lower limit above the upper one: free. The second of three angles stays below a right one.
+        const double twist = joint.frames ? 0 : joint.limit != 0 ? joint.limit : -1;
+        const double swing = hinge ? 0 : frames.swing == 0 ? -1 : frames.swing;
+        const double lower = joint.frames ? frames.lower : -twist,
+                     upper = joint.frames ? frames.upper : twist;
+        made->setAngularLowerLimitReversed(vec({lower, -std::min(swing, 1.5), -swing}));
+        made->setAngularUpperLimitReversed(vec({upper, std::min(swing, 1.5), swing}));
+        const Body& moved = scene.bodies[static_cast<std::size_t>(joint.b)];
+        const double arm = length(joint.anchor - moved.position);
+        const double inertia = moved.mass * (arm * arm + solid_of(moved).inertia.x);
+        for (int angle = 3; angle < (hinge ? 4 : 6); ++angle) {
+            made->enableMotor(angle, joint.friction != 0);
+            made->setTargetVelocity(angle, 0);
+            made->setMaxMotorForce(angle, scalar(joint.friction));
+            if (joint.spring_hertz == 0) continue;
+            const double rate = 2 * pi * joint.spring_hertz;
+            made->enableSpring(angle, true);
+            made->setStiffness(angle, scalar(inertia * rate * rate));
+            made->setDamping(angle, scalar(2 * joint.spring_damping * inertia * rate));
+        }
+        joints.push_back(std::move(made));
+    }
+
+    void join(const Scene& scene, const Joint& joint) {
         btRigidBody& a =
             joint.a < 0 ? btTypedConstraint::getFixedBody() : *bodies[static_cast<std::size_t>(joint.a)];
         btRigidBody& b = *bodies[static_cast<std::size_t>(joint.b)];
         const btScalar limit = scalar(joint.limit), speed = scalar(joint.motor_speed);
-        if (joint.kind == Link::ball) {
+        if (joint.frames || joint.friction != 0 || joint.spring_hertz != 0) {
+            join_rich(scene, joint, a, b);
+        } else if (joint.kind == Link::ball) {
             joints.push_back(std::make_unique<btPoint2PointConstraint>(
                 a, b, a.getCenterOfMassTransform().inverse() * vec(joint.anchor),
                 b.getCenterOfMassTransform().inverse() * vec(joint.anchor)));
@@ -213,9 +362,13 @@ class Bullet final : public Engine {
     btCollisionDispatcher dispatcher;
     btDbvtBroadphase broad_phase;
     btSequentialImpulseConstraintSolver solver;
-    btDiscreteDynamicsWorld world;
+    mutable btDiscreteDynamicsWorld world; ///< questions to it are not const
     std::vector<std::unique_ptr<btCollisionShape>> shapes;
+    std::vector<std::unique_ptr<btCollisionShape>> probes;
     std::vector<std::unique_ptr<btRigidBody>> bodies;
+    btGhostPairCallback ghost_pairs;
+    std::vector<std::unique_ptr<Walker>> walkers;
+    std::vector<std::unique_ptr<Vehicle>> vehicles;
     struct Moved {
         btRigidBody* body;
         btVector3 velocity, spin;

@@ -3,6 +3,7 @@
 
 #include "lockstone/math/convert.h"
 #include "lockstone/math/math.h"
+#include "lockstone/play/ragdoll.h"
 #include "lockstone/tasks.h"
 
 #include <algorithm>
@@ -32,8 +33,10 @@ ls::Geometry geometry_of(const Shape& shape, ls::AssetLibrary& library) {
     switch (shape.kind) {
     case Kind::sphere:
         return ls::sphere(real(h.x));
-    case Kind::box:
-        return ls::box(vec(h));
+    case Kind::box: {
+        const V3 core = h - V3{shape.round, shape.round, shape.round};
+        return shape.round == 0 ? ls::box(vec(h)) : ls::rounded(ls::box(vec(core)), real(shape.round));
+    }
     case Kind::capsule:
         return ls::capsule(real(h.x), real(h.y));
     case Kind::cylinder:
@@ -61,12 +64,14 @@ ls::Geometry geometry_of(const Shape& shape, ls::AssetLibrary& library) {
 }
 
 ls::WorldDef def_of(const Contestant& c, const Scene& scene) {
-    const auto count = static_cast<std::uint32_t>(scene.bodies.size());
+    const auto count = static_cast<std::uint32_t>(scene.bodies.size()) +
+                       static_cast<std::uint32_t>(scene.room + static_cast<int>(scene.walkers.size()));
     std::uint32_t shapes = count;
     for (const Body& body : scene.bodies) shapes += static_cast<std::uint32_t>(body.parts.size());
     ls::WorldDef def{.tick_rate = static_cast<std::uint32_t>(c.rate),
                      .gravity = vec(scene.gravity),
                      .integrator = static_cast<ls::Integrator>(c.scheme),
+                     .continuous = scene.continuous,
                      .sleeping = scene.sleeping};
     def.bodies_max = std::max(def.bodies_max, count);
     def.shapes_max = std::max(def.shapes_max, shapes);
@@ -102,14 +107,53 @@ class Lockstone final : public Engine {
 
     void kick(int body, V3 change) override {
         const ls::BodyId id = ids[static_cast<std::size_t>(body)];
-        const ls::Status done =
-            world.set_velocity(id, world.linear_velocity(id) + vec(change), world.angular_velocity(id));
-        if (!done) std::abort();
+        must(world.set_velocity(id, world.linear_velocity(id) + vec(change), world.angular_velocity(id)));
+    }
+
+    void walk(int walker, V3 velocity) override {
+        const ls::CharacterId id = world.character_at(static_cast<std::uint32_t>(walker));
+        must(world.set_character_input(id, {.velocity = vec(velocity)}));
+    }
+
+    void drive(int car, double throttle, double steer) override {
+        const ls::VehicleId id = world.vehicle_at(static_cast<std::uint32_t>(car));
+        must(world.set_vehicle_input(id, {.throttle = real(throttle), .steer = real(steer)}));
+    }
+
+    int add(const Body& body) override {
+        ids.push_back(create(world, body));
+        return static_cast<int>(ids.size()) - 1;
+    }
+
+    void replace(int number, const Body& body) override {
+        ls::BodyId& id = ids[static_cast<std::size_t>(number)];
+        must(world.destroy(id));
+        id = create(world, body);
+    }
+
+    double cast_ray(V3 from, V3 way) const override {
+        const auto hit = world.cast_ray({vec(from), vec(way)});
+        return hit ? ls::to_double(hit->fraction) : 1;
+    }
+
+    double cast(int probe, V3 from, V3 way) const override {
+        const auto hit =
+            world.cast_shape(probes[static_cast<std::size_t>(probe)], standing_at(from), vec(way));
+        return hit ? ls::to_double(hit->fraction) : 1;
+    }
+
+    int overlap(int probe, V3 at) const override {
+        world.overlap(probes[static_cast<std::size_t>(probe)], standing_at(at), {}, overlapped);
+        return static_cast<int>(overlapped.size());
     }
 
   private:
     friend ls::World& engines::world_of(Engine& engine);
     void tick() override { world.tick(); }
+    static void must(const ls::Status& status) {
+        if (!status) checked(ls::Result<int>(status.error()));
+    }
+    static ls::Transform standing_at(V3 place) { return {vec(place), ls::Quat::identity()}; }
 
     ls::World make(const Contestant& contestant, const Scene& scene) {
         auto library = std::make_shared<ls::AssetLibrary>();
@@ -118,25 +162,33 @@ class Lockstone final : public Engine {
             geometries.push_back(geometry_of(body.shape, *library));
             for (const Part& part : body.parts) geometries.push_back(geometry_of(part.shape, *library));
         }
+        for (const Shape& probe : scene.probes) probes.push_back(geometry_of(probe, *library));
         ls::World made = checked(ls::World::create(def_of(contestant, scene), {}, library));
         std::span<const ls::Geometry> left = geometries;
-        for (const Body& body : scene.bodies) {
-            add(made, body, left);
-            left = left.subspan(1 + body.parts.size());
+        auto human = scene.humans.begin();
+        for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+            const std::size_t count = 1 + scene.bodies[i].parts.size();
+            if (human != scene.humans.end() && i == static_cast<std::size_t>(human->body))
+                add(made, *human++);
+            else if (i == ids.size()) // else it is of the last human
+                ids.push_back(create(made, scene.bodies[i], left.first(count)));
+            left = left.subspan(count);
         }
-        for (const Joint& joint : scene.joints) join(made, joint);
+        for (const Joint& one : scene.joints)
+            if (!one.frames) join(made, one);
+        add_played(made, scene);
         if (scene.attraction != 0) checked(made.create_field({.strength = real(scene.attraction)}));
         return made;
     }
-
-    void add(ls::World& made, const Body& body, std::span<const ls::Geometry> geometries) {
+    static ls::BodyId create(ls::World& made, const Body& body, std::span<const ls::Geometry> geometries) {
         const ls::BodyKind still = body.moves ? ls::BodyKind::kinematic : ls::BodyKind::static_;
         const ls::BodyId id =
             checked(made.create_body({.kind = body.mass == 0 ? still : ls::BodyKind::dynamic,
                                       .pose = {vec(body.position), quat(body.rotation)},
                                       .linear_velocity = vec(body.velocity),
                                       .angular_velocity = vec(body.spin),
-                                      .mass = real(body.mass)}));
+                                      .mass = real(body.mass),
+                                      .bullet = body.bullet}));
         ls::ShapeDef shape{.geometry = geometries[0],
                            .friction = real(body.friction),
                            .restitution = real(body.restitution),
@@ -148,7 +200,29 @@ class Lockstone final : public Engine {
             shape.local = {vec(body.parts[i].position), quat(body.parts[i].rotation)};
             checked(made.create_shape(id, shape));
         }
-        ids.push_back(id);
+        return id;
+    }
+
+    /// The body has one primitive shape.
+    static ls::BodyId create(ls::World& made, const Body& body) {
+        ls::AssetLibrary none;
+        const ls::Geometry geometry = geometry_of(body.shape, none);
+        return create(made, body, {&geometry, 1});
+    }
+
+    void add(ls::World& made, const Human& human) {
+        constexpr ls::UnitVec3 up{ls::Unit{}, ls::unit_one, ls::Unit{}};
+        const ls::RagdollDef def{.place = {vec(human.at), ls::from_axis_angle(up, real(human.heading))},
+                                 .linear_velocity = vec(human.velocity)};
+        for (const ls::BodyId id : checked(ls::make_ragdoll(made, def)).bodies) ids.push_back(id);
+    }
+
+    /// Cars and characters.
+    void add_played(ls::World& made, const Scene& scene) {
+        for (const Car& car : scene.cars)
+            checked(made.create_vehicle(
+                ls::four_wheels(ids[static_cast<std::size_t>(car.chassis)], vec(car.hub))));
+        for (const V3 feet : scene.walkers) checked(made.create_character({.position = vec(feet)}));
     }
 
     void join(ls::World& made, const Joint& joint) {
@@ -161,12 +235,24 @@ class Lockstone final : public Engine {
             axis.lower = real(-joint.limit), axis.upper = real(joint.limit);
         }
         axis.motor_speed = real(joint.motor_speed), axis.motor_force = real(joint.motor_force);
+        if (joint.kind != Link::slider) soften(def.axis[ls::about_x], joint);
+        if (joint.kind == Link::ball)
+            for (const ls::JointAxisIndex i : {ls::about_y, ls::about_z}) soften(def.axis[i], joint);
         const ls::BodyId a = joint.a < 0 ? ls::BodyId{} : ids[static_cast<std::size_t>(joint.a)];
         checked(made.create_joint(def, a, ids[static_cast<std::size_t>(joint.b)],
                                   {vec(joint.anchor), quat(from_x_to(joint.axis))}));
     }
 
+    static void soften(ls::JointAxis& axis, const Joint& joint) {
+        axis.friction = real(joint.friction);
+        if (joint.spring_hertz == 0) return;
+        axis.spring = 1;
+        axis.frequency = real(joint.spring_hertz), axis.damping_ratio = real(joint.spring_damping);
+    }
+
     std::vector<ls::BodyId> ids;
+    std::vector<ls::Geometry> probes;
+    mutable std::vector<ls::ShapeId> overlapped;
     std::unique_ptr<ls::Tasks> tasks;
     ls::World world;
 };

@@ -58,7 +58,7 @@ class Ode final : public Engine {
         dWorldSetContactSurfaceLayer(world, 0.001);
         dWorldSetAutoDisableFlag(world, s.sleeping);
         if (c.iterations != 0) dWorldSetQuickStepNumIterations(world, c.iterations);
-        for (const Body& body : scene.bodies) add(body);
+        for (const Body& body : scene.bodies) create(body);
         for (const Joint& joint : scene.joints) join(joint);
     }
     ~Ode() override {
@@ -177,7 +177,7 @@ class Ode final : public Engine {
         return dCreateTriMesh(space, mesh.data, nullptr, nullptr, nullptr);
     }
 
-    void add(const Body& body) {
+    void create(const Body& body) {
         dBodyID b = nullptr;
         if (body.mass != 0 || body.moves) {
             b = dBodyCreate(world);

@@ -1,5 +1,7 @@
 #include "engines/pieces.h"
 
+#include <array>
+
 namespace engines {
 
 void add_pyramid(Scene& scene, int base, V3 at, double friction) {
@@ -52,6 +54,53 @@ void add_pit(Scene& scene, double half, double height, double friction) {
         wall({0.5, half_height, half + 1}, {sign * side, half_height, 0});
         wall({half, half_height, 0.5}, {0, half_height, sign * side});
     }
+}
+
+Shape mixed_shape(int i) {
+    const std::array<Shape, 3> shapes{sphere(0.5), box({0.5, 0.5, 0.5}), capsule(0.3, 0.4)};
+    return shapes[static_cast<std::size_t>(i % 3)];
+}
+
+Body slab() { return {.shape = box({50, 0.5, 50}), .position = {0, -0.5, 0}, .friction = 0.6}; }
+
+double hill(double x, double z) {
+    return 1.2 * std::sin(0.35 * x) * std::cos(0.3 * z) + 0.6 * std::sin(0.8 * x + 0.5 * z);
+}
+
+Shape hills(int quads, double spacing) {
+    Shape mesh{.kind = Kind::mesh};
+    const double half = 0.5 * quads * spacing;
+    for (int row = 0; row <= quads; ++row)
+        for (int column = 0; column <= quads; ++column) {
+            const double x = spacing * column - half, z = spacing * row - half;
+            mesh.points.push_back({x, hill(x, z), z});
+        }
+    for (int row = 0; row < quads; ++row)
+        for (int column = 0; column < quads; ++column) {
+            const int a = row * (quads + 1) + column, b = a + 1, c = a + quads + 1, d = c + 1;
+            mesh.faces.push_back({a, d, b});
+            mesh.faces.push_back({a, c, d});
+        }
+    return mesh;
+}
+
+Body turning_drum(double radius, double half_depth, double spin) {
+    constexpr int walls = 32, paddles = 8;
+    const double half_width = (radius + 1) * std::tan(pi / walls), end = half_depth + 0.5;
+    Body drum{.shape = box({radius + 1, radius + 1, 0.5}),
+              .position = {0, 0, -end},
+              .spin = {0, 0, spin},
+              .moves = true};
+    const auto around = [&](Shape shape, double distance, double angle) {
+        const V3 at{distance * std::cos(angle), distance * std::sin(angle), end};
+        drum.parts.push_back({std::move(shape), at, about({0, 0, 1}, angle)});
+    };
+    for (int i = 0; i < walls; ++i)
+        around(box({0.5, half_width, half_depth + 1}), radius + 0.5, 2 * pi * i / walls);
+    for (int i = 0; i < paddles; ++i)
+        around(box({1, 0.2, half_depth}), radius - 1, 2 * pi * (i + 0.5) / paddles);
+    drum.parts.push_back({box({radius + 1, radius + 1, 0.5}), {0, 0, 2 * end}});
+    return drum;
 }
 
 Shape random_hull(Random& random, int vertices, double radius) {

@@ -33,8 +33,19 @@ class Random {
 void add_pyramid(Scene& scene, int base, V3 at, double friction = 0.6);
 /// Eleven capsules: trunk of two, head, arms and legs of two each; ten ball and hinge joints. Its soles are at `at`.
 void add_ragdoll(Scene& scene, V3 at);
+/// A human of make_ragdoll (lockstone/play/ragdoll.h): 14 bodies, 13 joints. It stands with the ground between its feet at `at`.
+void add_human(Scene& scene, V3 at, double heading, V3 velocity = {});
 /// A floor of 1 m thickness, its surface at y = 0, and walls around |x|, |z| <= half: boxes, five bodies.
 void add_pit(Scene& scene, double half, double height, double friction = 0.6);
+/// By turns a sphere, a box and a capsule, each about a metre.
+Shape mixed_shape(int i);
+/// A floor of 100 x 100 m whose top is at the origin: Box3D, which bounds stem from, has no planes.
+Body slab();
+/// Height of hills at a place [m], within 1.8; and a mesh of them, quads of `spacing` [m], its middle at the origin.
+double hill(double x, double z);
+Shape hills(int quads, double spacing);
+/// A drum about the z axis with eight paddles, its middle at the origin. Its ends turn with it.
+Body turning_drum(double radius, double half_depth, double spin);
 /// The convex hull of so many points on an ellipsoid, none of its axes longer than 2 `radius`.
 Shape random_hull(Random& random, int vertices, double radius);
 

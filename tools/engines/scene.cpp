@@ -1,6 +1,8 @@
 #include "engines/scene.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <ctime>
 
 namespace engines {
@@ -115,6 +117,25 @@ Solid solid_of(const Shape& shape) {
     return {0, {}};
 }
 
+Solid solid_of(const Body& body) {
+    const Solid first = solid_of(body.shape);
+    double volume = first.volume;
+    V3 sum = first.inertia * first.volume;
+    for (const Part& part : body.parts) {
+        const Solid solid = solid_of(part.shape);
+        const V3 i = solid.inertia, p = part.position;
+        const V3 x = rotate(part.rotation, {1, 0, 0}), y = rotate(part.rotation, {0, 1, 0}),
+                 z = rotate(part.rotation, {0, 0, 1});
+        const V3 turned{i.x * x.x * x.x + i.y * y.x * y.x + i.z * z.x * z.x,
+                        i.x * x.y * x.y + i.y * y.y * y.y + i.z * z.y * z.y,
+                        i.x * x.z * x.z + i.y * y.z * y.z + i.z * z.z * z.z};
+        const V3 shifted{p.y * p.y + p.z * p.z, p.x * p.x + p.z * p.z, p.x * p.x + p.y * p.y};
+        volume += solid.volume;
+        sum += (turned + shifted) * solid.volume;
+    }
+    return volume == 0 ? first : Solid{volume, sum / volume};
+}
+
 V3 center_hull(Shape& hull) {
     V3 middle{};
     for (V3 p : hull.points) middle += p / static_cast<double>(hull.points.size());
@@ -140,6 +161,21 @@ Body solid(Shape shape, V3 position, double density, double friction) {
     const double mass = density * solid_of(shape).volume;
     return {.shape = std::move(shape), .position = position, .mass = mass, .friction = friction};
 }
+
+namespace {
+[[noreturn]] void cannot(const char* what) {
+    std::fprintf(stderr, "engines: this engine cannot %s\n", what);
+    std::exit(2);
+}
+} // namespace
+
+void Engine::walk(int, V3) { cannot("walk"); }
+void Engine::drive(int, double, double) { cannot("drive"); }
+int Engine::add(const Body&) { cannot("add a body"); }
+void Engine::replace(int, const Body&) { cannot("replace a body"); }
+double Engine::cast_ray(V3, V3) const { cannot("cast a ray"); }
+double Engine::cast(int, V3, V3) const { cannot("cast a shape"); }
+int Engine::overlap(int, V3) const { cannot("tell overlaps"); }
 
 void Engine::advance(int ticks) {
     const clockid_t clock = by_wall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
@@ -198,7 +234,7 @@ double gap(const Scene& scene, const Engine& engine, const Joint& joint) {
 }
 
 V3 angular_momentum(const Body& body, const State& state) {
-    const V3 inertia = solid_of(body.shape).inertia * body.mass;
+    const V3 inertia = solid_of(body).inertia * body.mass;
     const V3 w = rotate_inverse(state.rotation, state.spin);
     return rotate(state.rotation, {inertia.x * w.x, inertia.y * w.y, inertia.z * w.z});
 }

@@ -14,6 +14,7 @@
 #include "engines/vector.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct Shape {
     std::vector<V3> points = {}; ///< of a hull, about its centre of mass; of a mesh
     /// Of a hull; triangles of a mesh, which only bodies have that nothing moves. Counter-clockwise seen from outside.
     std::vector<std::vector<int>> faces = {};
+    double round = 0; ///< of a box: radius of its edges, within `half`; others than Lockstone have them sharp
 };
 inline Shape sphere(double radius) { return {Kind::sphere, {radius, radius, radius}}; }
 inline Shape box(V3 half) { return {Kind::box, half}; }
@@ -39,7 +41,8 @@ inline Shape cylinder(double radius, double half_height) {
 /// The half-space below its local y = 0.
 inline Shape plane() { return {Kind::plane, {}}; }
 
-/// A further shape of a body without mass, in its axes.
+/// A further shape of a body, in its axes. Of a body with mass all shapes together have their centre of mass in the body's
+/// origin and their principal axes along the body's.
 struct Part {
     Shape shape{};
     V3 position{};
@@ -57,6 +60,7 @@ struct Body {
     double restitution = 0;        ///< a pair has the larger; give both the same
     double rolling_resistance = 0; ///< [m]; a pair has the larger; give both the same
     V3 surface_velocity{};         ///< of a conveyor [m/s]
+    bool bullet = false;           ///< passes through nothing that moves either
     std::vector<Part> parts = {};
 };
 
@@ -67,6 +71,7 @@ struct Solid {
     V3 inertia;
 };
 Solid solid_of(const Shape& shape);
+Solid solid_of(const Body& body); ///< all its shapes together
 /// Moves the points of a hull so that its centre of mass is the origin, turns its faces outwards; returns where it was.
 V3 center_hull(Shape& hull);
 /// The convex hull of points in general position, about its centre of mass and its principal axes.
@@ -84,14 +89,45 @@ struct Joint {
     double limit = 0; ///< [rad] or [m]: not beyond this to either side; 0: free
     double motor_speed = 0,
            motor_force = 0; ///< [rad/s] or [m/s]; most that it applies [N m] or [N], 0: no motor
+    // Balls and hinges in Lockstone and Bullet have these; ODE ignores them.
+    double friction = 0;       ///< brakes each angle that is not locked with at most this [N m]
+    double spring_hertz = 0;   ///< pulls the angles back to 0; 0: no spring
+    double spring_damping = 0; ///< ratio
+    /// A joint of a human, which Lockstone makes by itself: orientations of the frames on A and B at first, world axes; limits of
+    /// the angle about their x axes; half angle of the cone in which B's x axis stays, 0: a hinge.
+    struct Frames {
+        Turn a{}, b{};
+        double lower = 0, upper = 0, swing = 0;
+    };
+    std::optional<Frames> frames = {};
+};
+
+/// A human that Lockstone makes by its make_ragdoll: the bodies and joints of a scene from these numbers on, which others take.
+struct Human {
+    int body = 0, joint = 0;
+    V3 at{};            ///< of the ground between its feet
+    double heading = 0; ///< about y [rad]
+    V3 velocity{};      ///< of all its parts [m/s]
+};
+/// Four wheels under a body. The front steers, the rear is driven.
+struct Car {
+    int chassis = 0;
+    V3 hub{}; ///< of the wheel at +x, +z, from the chassis' origin [m]
 };
 
 struct Scene {
     std::vector<Body> bodies = {};
     std::vector<Joint> joints = {};
     V3 gravity{0, -9.81, 0};
-    double attraction = 0; ///< G M of a point mass at the origin [m^3/s^2]
-    bool sleeping = false; ///< bodies at rest may fall asleep, by each engine's own defaults
+    double attraction = 0;  ///< G M of a point mass at the origin [m^3/s^2]
+    bool sleeping = false;  ///< bodies at rest may fall asleep, by each engine's own defaults
+    bool continuous = true; ///< Lockstone only: fast bodies are swept
+    std::vector<Human> humans = {};
+    // In Lockstone and Bullet only:
+    std::vector<Car> cars = {};
+    std::vector<V3> walkers = {};   ///< characters of 1.8 m and 80 kg: where their feet are
+    std::vector<Shape> probes = {}; ///< that Engine::cast and Engine::overlap ask with
+    int room = 0;                   ///< bodies that Engine::add may add
 
     int add(Body body) {
         bodies.push_back(std::move(body));
@@ -116,6 +152,17 @@ class Engine {
     virtual State state(int body) const = 0;
     virtual void kick(int body,
                       V3 change) = 0; ///< adds to the velocity of a dynamic body [m/s], between ticks
+    // Lockstone and Bullet only: elsewhere each ends the program.
+    virtual void walk(int walker, V3 velocity); ///< wanted from now on, level [m/s]
+    /// From now on: 0 to 1; -1 left to 1 right.
+    virtual void drive(int car, double throttle, double steer);
+    virtual int add(const Body& body); ///< one more, of one primitive; returns its number
+    virtual void
+    replace(int number,
+            const Body& body); ///< destroys it; creates this one, whose shape is that of the old one
+    virtual double cast_ray(V3 from, V3 way) const;        ///< share of the way to the first hit; 1: none
+    virtual double cast(int probe, V3 from, V3 way) const; ///< the same of a shape
+    virtual int overlap(int probe, V3 at) const;           ///< how many bodies it overlaps
     void advance(int ticks);
     double seconds_per_tick() const { return ticks_done == 0 ? 0 : seconds / ticks_done; }
     double seconds_spent() const { return seconds; } ///< in all ticks

@@ -15,7 +15,8 @@ from build import WITHOUT_THREADS, Builder, BuildFailed  # noqa: E402
 
 # What a game would ship: vectors, instructions that fill and copy memory, all files optimised as one, nothing thrown.
 FLAGS = (*matrix.WASM_FLAGS, "-O3", "-flto", "-msimd128", "-mbulk-memory", "-fno-exceptions", "-mexec-model=reactor")
-TOOLS = ("tools/engines/scene.cpp", "tools/engines/pieces.cpp", "tools/engines/lockstone_engine.cpp", "tools/bench/scenes.cpp", "tools/bench/quality.cpp",
+TOOLS = ("tools/engines/scene.cpp", "tools/engines/pieces.cpp", "tools/engines/human.cpp", "tools/engines/lockstone_engine.cpp", "tools/bench/scenes.cpp",
+         "tools/bench/quality.cpp", *(f"tools/bench/rows/{name}.cpp" for name in ("rows", "bounds", "swept", "joined", "stacked", "played", "created", "asked")),
          "tools/bench/wasm/module.cpp")
 
 
