@@ -93,7 +93,7 @@ struct Joint {
     double friction = 0;       ///< brakes each angle that is not locked with at most this [N m]
     double spring_hertz = 0;   ///< pulls the angles back to 0; 0: no spring
     double spring_damping = 0; ///< ratio
-    /// A joint of a human, which Lockstone makes by itself: orientations of the frames on A and B at first, world axes; limits of
+    /// A joint of a human, which Lockstone makes by make_ragdoll: orientations of the frames on A and B at first, world axes; limits of
     /// the angle about their x axes; half angle of the cone in which B's x axis stays, 0: a hinge.
     struct Frames {
         Turn a{}, b{};
