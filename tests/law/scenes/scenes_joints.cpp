@@ -30,9 +30,12 @@ double widest_gap(const World& w) {
 }
 
 /// No motor drives these scenes: energy grows by no more than a part of `growth` in a tick, and the widest joint is narrower than `gap` [m].
-std::string scene_fault(const char* name, std::uint32_t size, int ticks, double gap, double growth = 0.01) {
+/// `widest`: the widest joint of all ticks.
+std::string scene_fault(const char* name, std::uint32_t size, int ticks, double gap, double growth = 0.01,
+                        std::uint64_t seed = 1, double* widest = nullptr) {
     SceneOptions options;
     options.size = size;
+    options.seed = seed;
     const auto game = made(make_scene(name, options));
     World w = made(game->start());
     double before = energy_of(w);
@@ -42,6 +45,7 @@ std::string scene_fault(const char* name, std::uint32_t size, int ticks, double 
         const double now = energy_of(w), apart = widest_gap(w);
         if (now > (1 + growth) * before)
             return when + "energy grows from " + std::to_string(before) + " to " + std::to_string(now) + " J";
+        if (widest != nullptr) *widest = std::max(*widest, apart);
         if (apart > gap) return when + "a joint is apart by " + std::to_string(apart) + " m";
         if (w.faults().speed_clamped != 0) return when + "a speed was clamped";
         before = now;
@@ -90,7 +94,15 @@ TEST_CASE("the joints of bridges, chains and ragdolls hold, and hand out no ener
           ""); // its chain falls slack and is snatched again and again
     // A foot that carries a whole figure sinks in when it lands, and gives a part of that back in the next ticks.
     CHECK(scene_fault("ragdolls", 10, 200, 0.1, 0.02) == "");
-    CHECK(scene_fault("ragdolls", 20, 200, 0.1, 0.02) == "");
+    // Which limb is wedged in a heap is another one from seed to seed, and so is how wide its joint opens.
+    std::vector<double> widest;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        double apart = 0;
+        CHECK(scene_fault("ragdolls", 20, 200, 0.17, 0.02, seed, &apart) == "");
+        widest.push_back(apart);
+    }
+    std::ranges::sort(widest);
+    CHECK(widest[2] < 0.1);
 }
 
 // Where limits did not take points along (solve/joints/axis_with_point.h), a figure of one of these falls came apart by 0.67 m.

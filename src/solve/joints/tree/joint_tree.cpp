@@ -119,6 +119,12 @@ void walk_tree(JointForest& f, std::uint32_t root) {
     }
 }
 
+bool has_limits(const JointTick& tick, const JointWork& w) {
+    for (std::uint32_t i = 0; i < w.axis_count; ++i)
+        if ((tick.axes[w.first_axis + i].features & (has_lower | has_upper)) != 0) return true;
+    return false;
+}
+
 /// Whether some body of the tree carries many times its own mass: then a pass joint after joint is far from the solution.
 /// `carried` has the masses before the call, and sums of them after it.
 template <class Mass> bool is_heavy(JointForest& f, Real load, Mass&& mass) {
@@ -130,6 +136,13 @@ template <class Mass> bool is_heavy(JointForest& f, Real load, Mass&& mass) {
         if (parent != no_tree) f.carried[parent] += f.carried[body];
     }
     return false;
+}
+
+/// How many times its mass a body carries in a tree that is solved at once.
+Real load_of(const JointForest& f, std::uint32_t c, const StepConstants& step) {
+    if (step.substeps_per_second < light_tree_rate) return step.tree_load;
+    if (f.limits[c] == 0) return step.tree_load * unlimited_tree_loads;
+    return f.anchors[c] == 0 ? step.tree_load * free_tree_loads : step.tree_load;
 }
 
 /// Nodes from the root outwards, then joints from the leaves inwards.
@@ -164,11 +177,12 @@ void plan_trees(JointTick& tick, const BodyColumns& columns, const StepConstants
     const auto count = static_cast<std::uint32_t>(tick.bodies.size());
     f.node_of.assign(count, 0);
     f.size.assign(count, 0), f.root.assign(count, no_tree);
-    f.above.assign(count, 0), f.carried.resize(count), f.anchors.assign(count, 0);
+    f.above.assign(count, 0), f.carried.resize(count), f.anchors.assign(count, 0), f.limits.assign(count, 0);
     for (std::size_t i = 0; i < f.links.size(); ++i) {
         const TreeLink& l = f.links[i];
         const std::uint32_t c = component_of(f, l.a != no_tree ? l.a : l.b);
         ++f.size[c];
+        if (has_limits(tick, tick.joints[l.joint])) f.limits[c] = 1;
         if (l.a != no_tree && l.b != no_tree) continue;
         if (++f.anchors[c] > 1) continue;
         f.anchor_of[c] = static_cast<std::uint32_t>(i + 1);
@@ -185,7 +199,7 @@ void plan_trees(JointTick& tick, const BodyColumns& columns, const StepConstants
         const bool is_net = f.loops[c] * tree_loop_part > f.size[c] + f.loops[c];
         if (f.component[c] != c || f.size[c] < 2 || is_net) continue;
         walk_tree(f, f.root[c]);
-        if (f.anchors[c] > 1 || is_heavy(f, step.tree_load, mass)) add_tree(tick, columns);
+        if (f.anchors[c] > 1 || is_heavy(f, load_of(f, c, step), mass)) add_tree(tick, columns);
     }
 }
 
