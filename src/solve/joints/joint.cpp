@@ -215,21 +215,21 @@ JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* 
             step.substep_time.raw};
 }
 
-void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool limits) {
+void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool axes_alone) {
     JointGlance& glance = tick.glances[static_cast<std::size_t>(&work - tick.joints.data())];
     const auto at = [](const JointWorkSide& s) { return s.world ? 0 : s.cache + 1; };
     const bool packed = work.pack != no_pack;
     std::uint8_t rows_ask = seen_stirred, asks = seen_stirred;
     if (work.steady) {
-        rows_ask = limits ? seen_far | seen_followed : seen_strays;
-        asks = packed && (!own_rows || limits) ? seen_strays_far : seen_strays;
+        rows_ask = axes_alone ? seen_far | seen_followed : seen_strays;
+        asks = packed && (!own_rows || axes_alone) ? seen_strays_far : seen_strays;
     }
     glance = {at(work.a), at(work.b), rows_ask, own_rows, own_rows || !packed, false};
     if (packed) tick.packs[work.pack].asks_next[work.lane] = asks;
 }
 
 void set_glance(JointTick& tick, const JointWork& work) {
-    set_glance(tick, work, has_own_rows(tick, work), work.pack != no_pack && has_limits_alone(tick, work));
+    set_glance(tick, work, has_own_rows(tick, work), has_axes_alone(tick, work));
 }
 
 namespace {

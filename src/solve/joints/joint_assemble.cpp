@@ -241,8 +241,7 @@ bool counts_turns(const JointDef& def) {
 
 /// Kinds whose rows change by turns alone, and slowly.
 static bool may_stay(RowKind kind) {
-    return kind <= RowKind::point_z || (kind >= RowKind::orientation_x && kind <= RowKind::lock_z) ||
-           kind == RowKind::spin || kind == RowKind::swing;
+    return kind <= RowKind::point_z || (kind >= RowKind::orientation_x && kind <= RowKind::swing);
 }
 
 bool may_stay(const JointTick& tick, const JointWork& work) {

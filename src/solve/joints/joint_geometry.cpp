@@ -294,6 +294,23 @@ bool is_opposite(const JointPlace& place) {
     return dot<Real>(place.a.axes.x, place.b.axes.x) < decimal<Real>("-0.5");
 }
 
+/// Whether the direction of an angle about y or z of A turns by more than twice what the bodies do: xB is within 30 degrees of that axis.
+bool has_quick_angle(const JointTick& tick, const JointWork& work, const JointPlace& place) {
+    const auto is_near = [&](UnitVec3 axis) {
+        return abs(dot<Real>(place.b.axes.x, axis)) > decimal<Real>("0.866");
+    };
+    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
+        const RowKind kind = tick.axes[work.first_axis + i].kind;
+        if ((kind == RowKind::angle_y && is_near(place.a.axes.y)) ||
+            (kind == RowKind::angle_z && is_near(place.a.axes.z)))
+            return true;
+    }
+    return false;
+}
+
+/// Both bodies of a joint whose rows stay turn by 2^-given_turn_bits rad about each axis, and a twist by up to twice as much: 4 sqrt(3) / 16 [rad].
+constexpr Real far_turn_room = decimal<Real>("0.44");
+
 } // namespace
 
 const BodyInertia& inertia_now(std::uint32_t body, const SolverBodies& bodies) {
@@ -351,16 +368,23 @@ bool has_own_rows(const JointTick& tick, const JointWork& work) {
     return work.axis_count > 1 || (work.axis_count == 1 && !tick.axes[work.first_axis].unmade);
 }
 
-bool has_limits_alone(const JointTick& tick, const JointWork& work) {
-    return is_made_in_pack(tick, work) && work.axis_count == 1 &&
-           (tick.axes[work.first_axis].features & (has_spring | has_motor)) == 0;
+bool has_axes_alone(const JointTick& tick, const JointWork& work) {
+    if (work.pack == no_pack || work.axis_count == 0) return false;
+    if (work.block_count != 0 && !is_made_in_pack(tick, work)) return false;
+    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
+        const JointAxisPart& part = tick.axes[work.first_axis + i];
+        // Within such a turn the direction of a narrower cone turns too far.
+        if (part.kind == RowKind::swing && part.upper_at < decimal<Real>("0.5")) return false;
+    }
+    return true;
 }
 
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
     if (work.hinge && make_hinge(tick, work, step, bodies)) return;
     const JointPlace place = place_of(tick, work, bodies);
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
-    const Real least = work.needs_twist ? least_room(tick, work, step) : Real{};
+    Real least = work.needs_twist ? least_room(tick, work, step) : Real{};
+    if (work.needs_twist && has_axes_alone(tick, work)) least += far_turn_room;
     for (std::uint32_t i = 0; i < work.axis_count; ++i) {
         JointAxisPart& part = tick.axes[work.first_axis + i];
         JointAxisImpulses last;
@@ -384,7 +408,8 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
         make_block(block, work, place, both, step);
         if (turn != nullptr) put_turn(block, *turn, work.lane);
     }
-    work.steady = work.stays && work.tree == no_tree && !(work.needs_twist && is_opposite(place));
+    work.steady = work.stays && work.tree == no_tree && !(work.needs_twist && is_opposite(place)) &&
+                  !has_quick_angle(tick, work, place);
     work.made = work.remade = true;
     set_glance(tick, work), set_acting(tick, work);
 }

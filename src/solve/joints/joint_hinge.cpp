@@ -164,7 +164,7 @@ bool make_hinge(JointTick& tick, JointWork& work, const StepConstants& step, con
     if (part != nullptr && !has_row) part->turns = part->unmade = part->idle = true;
     if (!work.made) set_reach(turn, work, has_row ? nullptr : part, least);
     work.made = work.remade = true;
-    set_glance(tick, work, has_row, part != nullptr && (part->features & (has_spring | has_motor)) == 0);
+    set_glance(tick, work, has_row, part != nullptr);
     set_acting(tick, work);
     return true;
 }

@@ -3,8 +3,10 @@
 // Rows of no pack stay while neither body has turned by more than row_turn_max about an axis since they were made; errors follow the
 // motion by the rows, C = C0 + J . (shift, theta). What a lever of length r so misses is r a^2 / 2 for a turn by a:
 // 0.0001 mm for a metre. With 2^-7 rad a pendulum lost 87 % of its swing in five minutes, with 2^-11 it keeps it (the row
-// "pendulum" of tests/quality). Limits of a hinge whose other rows a pack makes stay until a body has turned by 2^-4 rad since the
-// tick began, which misses their angle by half the square of that, 0.002 rad. Rows whose directions also change with places
+// "pendulum" of tests/quality). Single axes of a joint whose other rows a pack makes, its limits, motors, friction and springs, stay until
+// a body has turned by 2^-4 rad since the tick began, which misses their angle by half the square of that, 0.002 rad: the pack holds the
+// bodies, and a motor or a limit about a direction that is off by so much only pushes a little sideways. Angles and cones whose direction
+// turns faster than the bodies do have rows that stay for less, or not at all. Rows whose directions also change with places
 // (along an axis of A, lines, ropes), gears and racks are made anew whenever a body has moved, and so are those of trees (a bridge
 // that is taut gains energy from rows that stay behind by a hundredth) and of bodies that are followed (followed_turn.h).
 #pragma once
@@ -299,8 +301,8 @@ void set_acting(JointTick& tick, const JointWork& work);
 bool is_made_in_pack(const JointTick& tick, const JointWork& work);
 /// Whether something of a joint is made by make_rows(): all but what packs make and limits that are out of reach.
 bool has_own_rows(const JointTick& tick, const JointWork& work);
-/// Whether its pack makes all rows of a hinge but those of limits about its axis.
-bool has_limits_alone(const JointTick& tick, const JointWork& work);
+/// Whether a pack makes all rows of a joint but those of single axes, which may stay behind by a turn of 2^-given_turn_bits rad.
+bool has_axes_alone(const JointTick& tick, const JointWork& work);
 /// Parts of one joint by its table of axes; appends to blocks and axes. Its point is no block yet: most are packed.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
 /// Parts of the last tick as assemble() and add_point_block() leave them, but for numbers that are written before they are read, and for
@@ -332,8 +334,8 @@ Quat rotation_now(const Transform& pose, std::uint32_t body, const SolverBodies&
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// After its rows were made.
 void set_glance(JointTick& tick, const JointWork& work);
-/// The same of what is known of it: has_own_rows(), has_limits_alone().
-void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool limits);
+/// The same of what is known of it: has_own_rows(), has_axes_alone().
+void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool axes_alone);
 /// Rows, responses, inverses and targets of a joint's parts. Writes nothing that is another joint's.
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
 /// The same of a hinge that its pack makes, with no axis but a twist. False, and nothing changes: it is not one.
