@@ -6,30 +6,11 @@ namespace {
 
 /// C and the entries of rows are below 4, A^-1 C below 8: beyond that the point is left out.
 constexpr std::int64_t entry_limit = std::int64_t{1} << 30, answer_limit = std::int64_t{1} << 31;
-/// The mobility along d counts as at least 2^-5 of the axis' own: with 2^-6 a flail whose arm is a small weight, 15 radii of gyration from its
-/// hinge, gains 60 % of the energy of its fall at its limit, with 2^-5 a tenth, with 2^-4 heavier ones do.
-constexpr int least_part_bits = 5;
 
 template <std::size_t Count> bool are_below(const std::int64_t (&x)[Count], std::int64_t limit) {
     std::uint64_t any = 0;
     for (const std::int64_t one : x) any |= magnitude(one);
     return any < static_cast<std::uint64_t>(limit);
-}
-
-/// The Jacobians of the point of a pack.
-void read_rows(const JointPack& pack, std::uint32_t lane, Row (&rows)[3]) {
-    const std::int32_t one = pack.one[lane];
-    for (int r = 0; r < 3; ++r)
-        for (int i = 0; i < 3; ++i) {
-            rows[r].ja[i] = i == r ? -one : 0, rows[r].jb[i] = i == r ? one : 0;
-            rows[r].ja[i + 3] = pack.a.x[r][i][lane], rows[r].jb[i + 3] = pack.b.x[r][i][lane];
-        }
-}
-Inverse inverse_of(const JointPack& pack, std::uint32_t lane) {
-    Inverse inverse;
-    for (int i = 0; i < 6; ++i) inverse.m[i] = pack.inverse.m[i][lane];
-    inverse.shift = static_cast<std::int32_t>(pack.inverse.shift[lane]);
-    return inverse;
 }
 
 /// x - the answer times what rows have there. False: it has no room.
@@ -47,10 +28,8 @@ bool take(const std::int64_t (&answer)[3], const std::int32_t (&first)[6], const
 } // namespace
 
 JointPoint point_of(JointTick& tick, const JointWork& work, const SolverBodies& bodies) {
-    JointPoint point{
-        nullptr, work.lane, nullptr, &work.shares, &bodies.body[work.a.body], &bodies.body[work.b.body]};
-    if (work.pack != no_pack) point.pack = &tick.packs[work.pack];
-    for (std::uint32_t i = 0; i < work.block_count && point.pack == nullptr; ++i)
+    JointPoint point{nullptr, &work.shares, &bodies.body[work.a.body], &bodies.body[work.b.body]};
+    for (std::uint32_t i = 0; i < work.block_count; ++i)
         if (JointBlock& block = tick.blocks[work.first_block + i]; block.kind[0] == RowKind::point_x)
             point.block = &block;
     return point;
@@ -63,15 +42,12 @@ AxisWithPoint::AxisWithPoint(JointPoint of, const Row& axis, const Inverse& alon
 }
 
 bool AxisWithPoint::find(const Row& axis) {
-    Row of_pack[3];
-    if (point.pack != nullptr) read_rows(*point.pack, point.lane, of_pack);
-    const Row* const rows = point.pack != nullptr ? of_pack : point.block->row;
+    const Row* const rows = point.block->row;
     std::int64_t c[3];
     for (int r = 0; r < 3; ++r)
         c[r] = shift_right_rounded(turning_product(rows[r], axis), mobility_bits - row_bits);
     if (!are_below(c, entry_limit)) return false;
-    const Inverse inverse =
-        point.pack != nullptr ? inverse_of(*point.pack, point.lane) : point.block->inverse;
+    const Inverse& inverse = point.block->inverse;
     for (int r = 0; r < 3; ++r) {
         std::int64_t sum = 0; // 30 bits times 30, three times
         for (int s = 0; s < 3; ++s) sum += inverse.m[inverse_index[r][s]] * c[s];
@@ -89,7 +65,7 @@ std::uint64_t AxisWithPoint::push(std::int32_t change, Motion& m) const {
     std::uint32_t any = solve::push(&row, &change, 1, m);
     std::uint64_t clamped = 0;
     for (int r = 0; r < 3 && point.exists(); ++r) {
-        std::int32_t& p = impulse(r);
+        std::int32_t& p = point.block->impulse[r];
         const std::int64_t wanted = p - shift_right_rounded(answer[r] * change, row_bits),
                            next = std::clamp<std::int64_t>(wanted, -joint_impulse_max, joint_impulse_max);
         clamped += next != wanted ? 1u : 0u;

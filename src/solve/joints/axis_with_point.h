@@ -12,7 +12,7 @@
 //
 // What other joints of the two bodies hold is not taken along. Impulses that are started warm from the last substep then build up where a body
 // is held by points far off it, many radii of gyration away, and an axis that stops it at once makes them grow: so no axis counts on
-// less than a part of its own mobility (least_part_bits).
+// less than a part of its own mobility (least_part_bits of pack/joint_pack.h).
 #pragma once
 
 #include "solve/joints/joint_motion.h"
@@ -20,14 +20,12 @@
 
 namespace lockstone::solve {
 
-/// The point of a joint, in a pack or as a block of its own; or none.
+/// The point of a joint of no pack, if it has one. Packs do the same in lanes: pack/axis_kernel.h
 struct JointPoint {
-    JointPack* pack = nullptr;
-    std::uint32_t lane = 0;
     JointBlock* block = nullptr;
     const Shares* shares = nullptr;
     const SolverBody *a = nullptr, *b = nullptr;
-    bool exists() const { return pack != nullptr || block != nullptr; }
+    bool exists() const { return block != nullptr; }
 };
 JointPoint point_of(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
 
@@ -44,10 +42,6 @@ class AxisWithPoint {
 
   private:
     bool find(const Row& axis);
-    std::int32_t& impulse(int r) const {
-        return point.block != nullptr ? point.block->impulse[r] : point.pack->impulse[r][point.lane];
-    }
-
     JointPoint point;
     std::int64_t answer[3]; ///< A^-1 C, row_bits
     Row row;                ///< of d

@@ -21,7 +21,8 @@ void JointSolver::reserve(std::size_t joints) {
     work->joints.reserve(joints);
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
-    work->packs.reserve(joints), work->turn_packs.reserve(joints), work->steps.reserve(joints);
+    work->packs.reserve(joints), work->turn_packs.reserve(joints), work->axis_packs.reserve(joints),
+        work->steps.reserve(joints);
     work->singles.reserve(joints), work->with_rows.reserve(joints), work->acts.reserve(joints),
         work->glances.reserve(joints);
     work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints),
@@ -31,14 +32,14 @@ void JointSolver::reserve(std::size_t joints) {
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, packs, turn_packs, steps, down, up, singles, with_rows, framed_in_world,
-           glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts, in_order,
-           before_sort, bodies, planned, has_plan, planned_for, forest, cache_of, closed, pose, memory,
-           clamped, ticks_per_second, first, paths, counter] = *work;
-    base::poison(with, joints, blocks, axes, packs, turn_packs, steps, singles, with_rows, framed_in_world,
-                 glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts,
-                 in_order, before_sort, bodies, planned, cache_of, pose, memory, clamped, ticks_per_second,
-                 first);
+    auto& [joints, blocks, axes, packs, turn_packs, axis_packs, steps, down, up, singles, with_rows,
+           framed_in_world, glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece,
+           counts, in_order, before_sort, bodies, planned, has_plan, planned_for, forest, cache_of, closed,
+           pose, memory, clamped, ticks_per_second, first, paths, counter] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, axis_packs, steps, singles, with_rows,
+                 framed_in_world, glances, held, turned, seen, wanted, given, acts, packed, last_stage,
+                 last_piece, counts, in_order, before_sort, bodies, planned, cache_of, pose, memory, clamped,
+                 ticks_per_second, first);
     base::poison(with, closed.of_body, closed.of_pack, closed.of_four, closed.stopped, closed.pushed,
                  closed.velocities, closed.packs);
     has_plan = false, planned_for = 0;
@@ -163,7 +164,8 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, decltype(JointKer
                          }
                          for (std::uint32_t end = first; first < last; first = end + 1) {
                              for (end = first; end < last && !asks_for_rows(tick, end);) ++end;
-                             if (end != first) invert_some(tick, first, end, kernel, data);
+                             if (end != first)
+                                 invert_some(tick, first, end, kernel, data), kernel.join(data, first, end);
                              if (end != last) any_asks.store(true, std::memory_order_relaxed);
                          }
                      });
@@ -173,6 +175,7 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, decltype(JointKer
         make_asked_rows(tick, i, step, bodies);
         settle_asks(tick.packs[i]);
         invert_some(tick, i, i + 1, kernel, data);
+        kernel.join(data, i, i + 1);
     }
 }
 
@@ -200,19 +203,6 @@ void invert_some(JointTick& tick, std::uint32_t first, std::uint32_t last, const
     for (std::uint32_t i = first; i < last; ++i)
         for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane)
             invert_left(tick.packs[i], data.turns, lane);
-}
-
-JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies) {
-    return {bodies,
-            tick.packs.data(),
-            tick.turn_packs.data(),
-            tick.held.data(),
-            tick.turned.data(),
-            tick.seen.data(),
-            pack_rate(step),
-            step.joint.mass_scale.raw,
-            step.joint.impulse_scale.raw,
-            step.substep_time.raw};
 }
 
 void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool axes_alone) {
@@ -582,6 +572,7 @@ void JointSolver::store(std::span<JointMemory> memory, const SolverBodies& bodie
     for_joints(tick, tasks, [&](const JointWork& w) {
         JointMemory& m = memory[w.memory];
         m.axis = {}, m.swing = Real{};
+        if (w.pack != no_pack) take_axes(tick, w);
         Wrench wrench{};
         for (std::uint32_t k = 0; k < w.axis_count; ++k) store_axis(tick.axes[w.first_axis + k], m, wrench);
         store_blocks(tick, w, m, wrench);

@@ -259,6 +259,7 @@ class Closer {
         // The whole error within a substep.
         data.rate = saturate_to_int32(step.substeps_per_second << joint_rate_bits);
         data.mass_scale = unit_one.raw, data.impulse_scale = 0;
+        data.axes = nullptr;
         for (int pass = 0; pass < passes_max; ++pass) {
             if (!refresh_pushed(pass != 0)) break;
             const std::uint32_t counted = tick.counter.next_pass();

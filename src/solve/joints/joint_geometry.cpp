@@ -380,6 +380,7 @@ bool has_axes_alone(const JointTick& tick, const JointWork& work) {
 }
 
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
+    if (work.made && work.pack != no_pack) take_axes(tick, work);
     if (work.hinge && make_hinge(tick, work, step, bodies)) return;
     const JointPlace place = place_of(tick, work, bodies);
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
@@ -411,7 +412,11 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     work.steady = work.stays && work.tree == no_tree && !(work.needs_twist && is_opposite(place)) &&
                   !has_quick_angle(tick, work, place);
     work.made = work.remade = true;
-    set_glance(tick, work), set_acting(tick, work);
+    set_glance(tick, work);
+    if (work.pack != no_pack)
+        put_axes(tick, work);
+    else
+        set_acting(tick, work);
 }
 
 /// Whether a lane of a hinge's pack asks for rows of its joint that are not there.
@@ -448,6 +453,7 @@ void make_asked_rows(JointTick& tick, std::uint32_t i, const StepConstants& step
 
 void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
+    if (work.pack != no_pack) take_axes(tick, work);
     for (std::uint32_t i = 0; i < work.axis_count; ++i) {
         set_axis_targets(tick.axes[work.first_axis + i], step, both);
     }
@@ -457,7 +463,10 @@ void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, 
         set_block_bias(block, work.tree != no_tree, step, both);
         if (work.turns_packed) put_bias(block, turn_pack(tick, work), work.lane);
     }
-    set_acting(tick, work);
+    if (work.pack != no_pack)
+        put_axis_biases(tick, work);
+    else
+        set_acting(tick, work);
 }
 
 void invert_blocks(JointTick& tick, const JointWork& work) {

@@ -165,7 +165,7 @@ bool make_hinge(JointTick& tick, JointWork& work, const StepConstants& step, con
     if (!work.made) set_reach(turn, work, has_row ? nullptr : part, least);
     work.made = work.remade = true;
     set_glance(tick, work, has_row, part != nullptr);
-    set_acting(tick, work);
+    put_axes(tick, work);
     return true;
 }
 

@@ -146,28 +146,10 @@ bool read_turning(const SolverBody& a, const SolverBody& b, Motion& m) {
     }
     return any < static_cast<std::uint64_t>(2 * motion_max);
 }
-/// Whether those along them are left as they are by clamp_motion().
-bool moves_readably(const SolverBody& a, const SolverBody& b) {
-    std::uint64_t any = 0;
-    for (int i = 0; i < 3; ++i)
-        any |=
-            static_cast<std::uint64_t>(a.v[i] + motion_max) | static_cast<std::uint64_t>(b.v[i] + motion_max);
-    return any < static_cast<std::uint64_t>(2 * motion_max);
-}
-/// Bodies that impulses do not move are read by several workers.
-void write_turning(const Motion& m, const JointWork& w, SolverBodies& bodies) {
-    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
-    for (int i = 0; i < 3 && w.a.moved; ++i) a.u[i] = m.a[i + 3];
-    for (int i = 0; i < 3 && w.b.moved; ++i) b.u[i] = m.b[i + 3];
-}
 void write(const Motion& m, const JointWork& w, SolverBodies& bodies) {
     if (w.a.moved) write(m.a, bodies.body[w.a.body]);
     if (w.b.moved) write(m.b, bodies.body[w.b.body]);
 }
-void read_moving(const SolverBody& a, const SolverBody& b, Motion& m) {
-    for (int i = 0; i < 3; ++i) m.a[i] = a.v[i], m.b[i] = b.v[i];
-}
-
 /// Whether an axis has nothing but limits, which carry no impulse and get none in this pass.
 bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody& b, bool bias) {
     if (part.idle) return true;
@@ -181,27 +163,8 @@ bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody
            (!up || speed + (bias ? part.upper_bias : part.upper_relax) <= 0);
 }
 
-/// As pass_joint(), of a joint that is limits_act. False, and nothing changes: that is to do it.
-bool pass_limits(JointTick& tick, const JointWork& w, SolverBodies& bodies, bool bias,
-                 std::uint64_t& clamped) {
-    JointAxisPart& part = tick.axes[w.first_axis];
-    const JointPoint point = point_of(tick, w, bodies);
-    const SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
-    Motion m{};
-    if (!read_turning(a, b, m)) return false;
-    AxisPass<Turning> pass(part, point, bias, m, clamped);
-    const std::int32_t lower = bias ? part.lower_bias : part.lower_relax,
-                       upper = bias ? part.upper_bias : part.upper_relax;
-    if ((part.lower | part.upper) == 0 && pass.speed + lower >= 0 && pass.speed + upper <= 0) return true;
-    if (!moves_readably(a, b)) return false;
-    read_moving(a, b, m);
-    pass.lower(part.lower), pass.upper(part.upper);
-    write(m, w, bodies);
-    return true;
-}
-
 bool has_locks(const JointTick& tick, const JointWork& w) {
-    return w.block_count != 0 && !w.turns_packed && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
+    return w.block_count != 0 && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
 }
 
 /// Solves one joint: its axes, and the locks that neither a tree nor a pack solves.
@@ -238,13 +201,9 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
 void set_acting(JointTick& tick, const JointWork& w) {
     const auto i = static_cast<std::size_t>(&w - tick.joints.data());
     const JointAxisPart* const axes = tick.axes.data() + w.first_axis;
-    const bool blocks = w.block_count != 0 && !w.turns_packed; // warm starts give what trees solve as well
-    std::uint8_t acts = blocks ? something_acts : nothing_acts;
+    std::uint8_t acts = w.block_count != 0 ? 1 : 0; // warm starts give what trees solve as well
     for (std::uint32_t k = 0; k < w.axis_count; ++k)
-        if (!axes[k].idle) acts = something_acts;
-    if (acts != nothing_acts && !blocks && w.axis_count == 1 && axes->turns &&
-        axes->features == (has_lower | has_upper))
-        acts = limits_act;
+        if (!axes[k].idle) acts = 1;
     tick.acts[i] = acts;
 }
 
@@ -272,11 +231,9 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
                       count_step(tick, now, pass, bias);
                       std::uint64_t clamped = 0;
                       for (std::uint32_t i = now.first_single; i < now.last_single; ++i) {
-                          const std::uint8_t acts = all_acts[singles[i]];
-                          if (acts == nothing_acts) continue;
+                          if (all_acts[singles[i]] == 0) continue;
                           const JointWork& w = tick.joints[singles[i]];
-                          if (acts != limits_act || !pass_limits(tick, w, bodies, bias, clamped))
-                              pass_joint(tick, w, step, bodies, bias, clamped);
+                          pass_joint(tick, w, step, bodies, bias, clamped);
                       }
                       clamped += kernel->solve(data, now.first_pack, now.last_pack, bias);
                       base::add_count(tick.clamped, clamped);
@@ -292,23 +249,8 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
 
 // ---- warm start ---------------------------------------------------------------------------------------------------
 
-/// As warm_joint(), of a joint that is limits_act. False, and nothing changes: that is to do it.
-static bool warm_limits(JointTick& tick, const JointWork& w, SolverBodies& bodies) {
-    JointAxisPart& part = tick.axes[w.first_axis];
-    if ((part.lower | part.upper) == 0) return true;
-    const SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
-    Motion m{};
-    if (!read_turning(a, b, m) || !moves_readably(a, b)) return false;
-    const std::int32_t p =
-        bounded(std::int64_t{part.lower} + part.upper, -joint_impulse_max, joint_impulse_max);
-    if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
-    push_clamped<Turning>(&part.row, &p, 1, m);
-    write_turning(m, w, bodies);
-    return true;
-}
-
 static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies) {
-    bool busy = w.block_count != 0 && !w.turns_packed;
+    bool busy = w.block_count != 0;
     for (std::uint32_t i = 0; i < w.axis_count; ++i) {
         const JointAxisPart& part = tick.axes[w.first_axis + i];
         busy = busy || (part.spring | part.motor | part.lower | part.upper) != 0;
@@ -325,7 +267,7 @@ static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies
         if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
         push_clamped<Speeds>(&part.row, &p, 1, m);
     }
-    for (std::uint32_t i = 0; !w.turns_packed && i < w.block_count; ++i) {
+    for (std::uint32_t i = 0; i < w.block_count; ++i) {
         JointBlock& block = tick.blocks[w.first_block + i];
         for (int r = 0; r < block.count && !tick.first; ++r)
             block.sum[r] += unscaled_impulse(block.impulse[r], block.exponent);
@@ -348,10 +290,9 @@ void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies, Ta
     for_each_step(tick, tasks, /*forwards=*/true, [&](const JointStep& now) {
         count_step(tick, now, pass, /*forwards=*/true);
         for (std::uint32_t i = now.first_single; i < now.last_single; ++i) {
-            const std::uint8_t acts = all_acts[singles[i]];
-            if (acts == nothing_acts) continue;
+            if (all_acts[singles[i]] == 0) continue;
             const JointWork& w = tick.joints[singles[i]];
-            if (acts != limits_act || !warm_limits(tick, w, bodies)) warm_joint(tick, w, bodies);
+            warm_joint(tick, w, bodies);
         }
         kernel->warm_start(data, now.first_pack, now.last_pack, !tick.first);
     });

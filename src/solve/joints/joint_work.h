@@ -163,9 +163,6 @@ struct alignas(64) JointWork {
     JointFrame frame_a, frame_b;
 };
 
-/// What passes have to do with a single. limits_act: it has one axis, which only turns and has nothing but both limits.
-enum JointActs : std::uint8_t { nothing_acts, something_acts, limits_act };
-
 /// Joints of one stage, of one strand, at its border or within it: they share no body that impulses move. Step after step is the order of
 /// solving, and steps backwards are that order backwards.
 struct JointStep {
@@ -203,10 +200,11 @@ struct JointTick {
     std::vector<JointAxisPart> axes;
     std::vector<JointPack> packs;
     std::vector<TurnPack> turn_packs;
+    std::vector<AxisPack> axis_packs;
     /// By stage, of a stage by strand, and of a strand those at its border first.
     std::vector<JointStep> steps;
     base::StrandPlan down, up;          ///< for workers: pieces are steps, in order and in the reverse order
-    std::vector<std::uint32_t> singles; ///< joints that have parts in no pack, by step
+    std::vector<std::uint32_t> singles; ///< joints of no pack that have parts, by step
     std::vector<std::uint32_t> with_rows;       ///< joints that are more than a point in a pack
     std::vector<std::uint32_t> framed_in_world; ///< joints with a side that stands still
     std::vector<JointGlance> glances;           ///< by joint
@@ -215,8 +213,8 @@ struct JointTick {
     std::vector<std::uint8_t> seen;             ///< JointSeen, likewise
     std::vector<std::uint32_t> wanted;          ///< entries of `bodies` that are seen_wanted
     std::vector<std::uint32_t> given;           ///< entries of `bodies` whose turn theta does not tell
-    std::vector<std::uint8_t> acts;             ///< of singles, by joint: JointActs
-    std::vector<std::uint32_t> packed;          ///< joints by pack and lane
+    std::vector<std::uint8_t> acts;    ///< of singles, by joint: 1, or 0 where passes have nothing to do
+    std::vector<std::uint32_t> packed; ///< joints by pack and lane
     std::vector<std::uint32_t> last_stage, last_piece, counts; ///< while packs are filled
     std::vector<std::uint32_t> in_order, before_sort;          ///< joints by step
     std::vector<JointBody> bodies;
@@ -241,6 +239,11 @@ struct JointTick {
 inline TurnPack& turn_pack(JointTick& tick, const JointWork& work) {
     return tick.turn_packs[tick.packs[work.pack].turn];
 }
+
+/// Of a joint in a pack: what passes ask of its axes, to their lanes; of rows that stay, their biases alone; and from the lanes their impulses.
+void put_axes(JointTick& tick, const JointWork& work);
+void put_axis_biases(JointTick& tick, const JointWork& work);
+void take_axes(JointTick& tick, const JointWork& work);
 
 /// Room for one more entry; where there is none, for an eighth more: entries are large.
 template <class T> void make_room(std::vector<T>& v) {
@@ -295,7 +298,7 @@ void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, 
 void make_asked_rows(JointTick& tick, std::uint32_t pack, const StepConstants& step,
                      const SolverBodies& bodies);
 bool asks_for_rows(const JointTick& tick, std::uint32_t pack);
-/// What passes have to do with a single: with those with locks that they solve, or an axis that is not idle.
+/// Of a single: whether passes have something to do, with locks that they solve or an axis that is not idle.
 void set_acting(JointTick& tick, const JointWork& work);
 /// Whether its block is a hinge's, with rows that its pack makes.
 bool is_made_in_pack(const JointTick& tick, const JointWork& work);

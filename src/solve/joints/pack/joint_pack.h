@@ -66,8 +66,10 @@ struct JointPack {
     std::uint8_t whole[pack_lanes];   ///< the joint has no rows but those of this point
     std::uint32_t turn;               ///< entry of JointTick::turns, where turn_rows is not zero
     std::uint32_t turn_rows;          ///< rows of each joint that only turn, solved before its point
-    bool hinges;                      ///< they are those of hinges
-    std::int32_t one[pack_lanes];     ///< 2^-e, 28 fraction bits
+    std::uint32_t first_axis;         ///< of JointTick::axis_packs
+    std::uint32_t axis_count;     ///< single axes of the joint that has the most, solved before all others
+    bool hinges;                  ///< they are those of hinges
+    std::int32_t one[pack_lanes]; ///< 2^-e, 28 fraction bits
     PackInverse inverse;
     std::int32_t impulse[3][pack_lanes];  ///< p', Speed
     std::int32_t bias[3][pack_lanes];     ///< Speed
@@ -111,6 +113,30 @@ struct TurnPack {
     std::uint8_t reaches[pack_lanes]; ///< its limits may be within reach
 };
 
+/// A single axis of each joint of a pack, with what passes ask of its JointAxisPart. It only turns.
+struct AxisPack {
+    std::int32_t acts[pack_lanes]; ///< all ones; zero: there is none, or it is idle
+    std::int32_t has_spring[pack_lanes], has_motor[pack_lanes], has_lower[pack_lanes],
+        has_upper[pack_lanes];                         ///< all ones or zero
+    std::int32_t ja[3][pack_lanes], jb[3][pack_lanes]; ///< about x y z, 28 fraction bits
+    std::int32_t ra[3][pack_lanes], rb[3][pack_lanes]; ///< responses, likewise
+    std::int32_t inverse[pack_lanes];                  ///< k^-1 = inverse / 2^shift, shift from 1 on
+    std::int64_t shift[pack_lanes];
+    std::int32_t spring[pack_lanes], motor[pack_lanes], lower[pack_lanes], upper[pack_lanes]; ///< p', Speed
+    std::int64_t sum[pack_lanes]; ///< of all four over the substeps since the rows were made
+    std::int32_t spring_bias[pack_lanes], spring_bound[pack_lanes], motor_bias[pack_lanes],
+        motor_bound[pack_lanes]; ///< as in JointAxisPart
+    std::int32_t lower_bias[pack_lanes], lower_relax[pack_lanes], upper_bias[pack_lanes],
+        upper_relax[pack_lanes];                                    ///< likewise
+    std::int32_t mass_scale[pack_lanes], impulse_scale[pack_lanes]; ///< of the spring, Unit
+    // The direction that takes the point along (axis_with_point.h), made anew with the rows of the point:
+    std::int32_t lead_ja[6][pack_lanes], lead_jb[6][pack_lanes], lead_ra[6][pack_lanes],
+        lead_rb[6][pack_lanes];
+    std::int32_t lead[pack_lanes]; ///< its k^-1 = lead / 2^lead_shift
+    std::int64_t lead_shift[pack_lanes];
+    std::int32_t answer[3][pack_lanes]; ///< impulses of the point for each of the axis, 28 fraction bits
+};
+
 /// Where a body is that joints hold, as packs read it: four rows of four numbers.
 struct alignas(64) TurnedBody {
     std::int32_t turn[3][3]; ///< since the tick began: a rotation matrix by rows, Unit
@@ -145,6 +171,7 @@ struct JointPassData {
     SolverBody* bodies;
     JointPack* packs;
     TurnPack* turns;
+    AxisPack* axes; ///< nullptr: passes leave single axes out
     HeldBodies* held;
     TurnedBody* turned;                     ///< that of the world, then four of each HeldBodies
     std::uint8_t* seen;                     ///< likewise
@@ -162,6 +189,9 @@ struct JointStartData {
     std::int64_t push_max; ///< of biases [m/s], Real
 };
 inline constexpr int joint_rate_bits = 16;
+/// The mobility of an axis that takes its point along counts as at least 2^-5 of the axis' own: with 2^-6 a flail whose arm is a small weight, 15
+/// radii of gyration from its hinge, gains 60 % of the energy of its fall at its limit, with 2^-5 a tenth, with 2^-4 heavier ones do.
+inline constexpr int least_part_bits = 5;
 inline constexpr int pack_angle_bits = 32;
 inline constexpr int row_turn_bits = 11; ///< row_turn_max = 2^-11 rad; joint_work.h
 /// pack_turn_max = 2^-9 rad: with 2^-8 a pendulum that swings by 150 degrees is 0.13 % slow instead of 0.10 %. Points and hinges are made anew in
@@ -182,6 +212,8 @@ struct JointKernel {
     void (*refresh)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
     /// Inverses of stale lanes. Returns whether some are left to invert_left().
     bool (*invert)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
+    /// AxisPack::lead and what belongs to it, by the rows and inverses of points.
+    void (*join)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
     /// The impulses that parts have; adds them to the sums, but for the first substep of a tick.
     void (*warm_start)(const JointPassData& data, std::uint32_t first, std::uint32_t last, bool sums);
     /// Softly and with bias, or rigidly. Returns how many impulses met their bound.

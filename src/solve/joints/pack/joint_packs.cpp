@@ -111,6 +111,20 @@ std::int32_t pack_rate(const StepConstants& step) {
     return saturate_to_int32(step.joint.rate.raw >> (Real::fraction_bits - joint_rate_bits));
 }
 
+JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies) {
+    return {bodies,
+            tick.packs.data(),
+            tick.turn_packs.data(),
+            tick.axis_packs.data(),
+            tick.held.data(),
+            tick.turned.data(),
+            tick.seen.data(),
+            pack_rate(step),
+            step.joint.mass_scale.raw,
+            step.joint.impulse_scale.raw,
+            step.substep_time.raw};
+}
+
 /// Stages and what packs take, joint by joint. Returns how many stages there are.
 static std::uint32_t plan_stages(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
     tick.last_stage.assign(tick.bodies.size(), 0);
@@ -175,10 +189,27 @@ static std::uint32_t sort_joints(JointTick& tick, std::uint32_t stage_count, std
     return strands;
 }
 
+/// Entries for the axes of each pack; those of lanes that have none act in no pass.
+static void plan_axes(JointTick& tick) {
+    for (std::uint32_t p = 0; p < tick.packs.size(); ++p) {
+        JointPack& pack = tick.packs[p];
+        pack.first_axis = static_cast<std::uint32_t>(tick.axis_packs.size());
+        for (std::uint32_t lane = 0; lane < pack.count; ++lane)
+            pack.axis_count = std::max<std::uint32_t>(
+                pack.axis_count, tick.joints[tick.packed[p * pack_lanes + lane]].axis_count);
+        for (std::uint32_t k = 0; k < pack.axis_count; ++k) {
+            make_room(tick.axis_packs);
+            AxisPack& axis = tick.axis_packs.emplace_back();
+            for (std::uint32_t lane = 0; lane < pack_lanes; ++lane)
+                axis.shift[lane] = axis.lead_shift[lane] = 1;
+        }
+    }
+}
+
 void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies,
                 std::uint32_t workers) {
-    tick.packed.clear(), tick.packs.clear(), tick.turn_packs.clear(), tick.steps.clear(),
-        tick.singles.clear();
+    tick.packed.clear(), tick.packs.clear(), tick.turn_packs.clear(), tick.axis_packs.clear(),
+        tick.steps.clear(), tick.singles.clear();
     const std::uint32_t stage_count = plan_stages(tick, step, bodies),
                         strands = sort_joints(tick, stage_count, workers);
     std::uint32_t at = 0;
@@ -198,7 +229,7 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
                     tick.packed.resize(tick.packs.size() * pack_lanes);
                     tick.packed[w.pack * pack_lanes + w.lane] = tick.in_order[at];
                 }
-                if (w.axis_count != 0 || (w.block_count != 0 && !w.turns_packed))
+                if (kind == no_kind && w.axis_count + w.block_count != 0)
                     tick.singles.push_back(tick.in_order[at]);
             }
         }
@@ -208,12 +239,14 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
         tick.steps.push_back(now);
     }
     tick.acts.resize(tick.joints.size());
+    plan_axes(tick);
     plan_strands(tick, strands);
 }
 
 void restart_pack(JointTick& tick, JointPack& pack) {
     const auto fill = [](auto& lanes, auto with) { std::fill(std::begin(lanes), std::end(lanes), with); };
     for (std::uint32_t lane = 0; lane < pack.count; ++lane) pack.stale[lane] = -1;
+    for (std::uint32_t k = 0; k < pack.axis_count; ++k) fill(tick.axis_packs[pack.first_axis + k].sum, 0);
     if (pack.turn_rows == 0) return;
     TurnPack& turn = tick.turn_packs[pack.turn];
     fill(turn.generic, pack.hinges ? 0 : -1);

@@ -4,6 +4,7 @@
 // too, since the linker keeps one of their copies.
 #pragma once
 
+#include "solve/joints/pack/axis_kernel.h"
 #include "solve/joints/pack/held_kernel.h"
 #include "solve/joints/pack/inverse_kernel.h"
 #include "solve/joints/pack/joint_pack.h"
@@ -30,6 +31,8 @@ template <class L> class PackedJoints {
     using Gap = LaneFixed<L, gap_bits>;
     using Velocity = LaneSum<L, accumulator_bits>;
     template <class T> using Lanes = T[all_lanes];
+    using Axes = JointAxes<L, PackedJoints>;
+    friend Axes;
 
     static constexpr std::int32_t impulse_max = solve::joint_impulse_max;
     static constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
@@ -471,12 +474,15 @@ template <class L> class PackedJoints {
     }
     /// The impulses of a pack, on one of its sides.
     template <int Sign, int Rows>
-    [[gnu::always_inline]] static void warm_side(const Data& data, const Side& side,
+    [[gnu::always_inline]] static void warm_side(const Data& data, const Pack& c,
                                                  const Lanes<std::int32_t> (*turns)[3], unsigned lane,
-                                                 const Change& turn, const Speed (&point)[3]) {
+                                                 const Change& turn, const Speed (&point)[3], bool sums) {
+        const Side& side = Sign < 0 ? c.a : c.b;
         Velocity v[6];
         gather(side, lane, data, v);
         keep_readable(v);
+        if (data.axes != nullptr && c.axis_count != 0)
+            Axes::template warm_side<Sign>(c, data.axes, lane, sums, v);
         if constexpr (Rows != 0) {
             push_turn<Rows>(turns, side, lane, turn.p, v);
             keep_small(v, turn.sizes);
@@ -498,14 +504,15 @@ template <class L> class PackedJoints {
         }
         for (int r = 0; r < 3; ++r) point[r] = Speed::load(&c.impulse[r][lane]);
         if (sums) add_to_sums<3>(c.sum, lane, point);
-        warm_side<-1, Rows>(data, c.a, Rows != 0 ? t->ja : nullptr, lane, turn, point);
-        warm_side<1, Rows>(data, c.b, Rows != 0 ? t->jb : nullptr, lane, turn, point);
+        warm_side<-1, Rows>(data, c, Rows != 0 ? t->ja : nullptr, lane, turn, point, sums);
+        warm_side<1, Rows>(data, c, Rows != 0 ? t->jb : nullptr, lane, turn, point, /*sums=*/false);
     }
     template <int Rows>
     [[gnu::always_inline]] static void solve_lanes(const Data& data, Pack& c, unsigned lane, bool bias,
                                                    std::uint64_t& clamped) {
         Motion m;
         gather(c, lane, data, m);
+        if (data.axes != nullptr && c.axis_count != 0) Axes::solve(c, data.axes, lane, bias, m, clamped);
         if constexpr (Rows != 0) solve_turn<Rows>(data.turns[c.turn], c, lane, data, bias, m, clamped);
         solve_point(c, lane, data, bias, m, clamped);
         scatter(c, lane, data, m);
@@ -566,6 +573,11 @@ template <class L> class PackedJoints {
             for (unsigned lane = 0; lane < end_of(data.packs[i]); lane += N)
                 refresh_lanes(data, data.packs[i], lane);
     }
+    static void join(const Data& data, std::uint32_t first, std::uint32_t last) {
+        for (std::uint32_t i = first; i < last; ++i)
+            for (unsigned lane = 0; data.packs[i].axis_count != 0 && lane < end_of(data.packs[i]); lane += N)
+                Axes::join(data.packs[i], data.axes, lane);
+    }
     static void warm_start(const Data& data, std::uint32_t first, std::uint32_t last, bool sums) {
         by_rows(data, first, last, [&](auto rows, std::uint32_t from, std::uint32_t to) {
             warm_run<rows.value>(data, from, to, sums);
@@ -579,7 +591,8 @@ template <class L> class PackedJoints {
         return clamped;
     }
     static constexpr solve::JointKernel table() {
-        return {start, TurnedLanes<L>::turn, begin, refresh, JointInverses<L>::invert, warm_start, solve};
+        return {start, TurnedLanes<L>::turn, begin, refresh, JointInverses<L>::invert,
+                join,  warm_start,           solve};
     }
 };
 
