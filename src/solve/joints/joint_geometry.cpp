@@ -294,7 +294,7 @@ bool is_opposite(const JointPlace& place) {
     return dot<Real>(place.a.axes.x, place.b.axes.x) < decimal<Real>("-0.5");
 }
 
-/// Whether the direction of an angle about y or z of A turns by more than twice what the bodies do: xB is within 30 degrees of that axis.
+/// True if the direction of an angle about y or z of A turns by more than twice the turn of the bodies: xB is within 30 degrees of that axis.
 bool has_quick_angle(const JointTick& tick, const JointWork& work, const JointPlace& place) {
     const auto is_near = [&](UnitVec3 axis) {
         return abs(dot<Real>(place.b.axes.x, axis)) > decimal<Real>("0.866");

@@ -240,7 +240,7 @@ inline TurnPack& turn_pack(JointTick& tick, const JointWork& work) {
     return tick.turn_packs[tick.packs[work.pack].turn];
 }
 
-/// Of a joint in a pack: what passes ask of its axes, to their lanes; of rows that stay, their biases alone; and from the lanes their impulses.
+/// Copy the axes of a joint in a pack to their lanes; only the biases, for rows that stay; and the impulses from the lanes.
 void put_axes(JointTick& tick, const JointWork& work);
 void put_axis_biases(JointTick& tick, const JointWork& work);
 void take_axes(JointTick& tick, const JointWork& work);
@@ -298,13 +298,13 @@ void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, 
 void make_asked_rows(JointTick& tick, std::uint32_t pack, const StepConstants& step,
                      const SolverBodies& bodies);
 bool asks_for_rows(const JointTick& tick, std::uint32_t pack);
-/// Of a single: whether passes have something to do, with locks that they solve or an axis that is not idle.
+/// Notes for a single if passes have something to do: locks that they solve, or an axis that is not idle.
 void set_acting(JointTick& tick, const JointWork& work);
 /// Whether its block is a hinge's, with rows that its pack makes.
 bool is_made_in_pack(const JointTick& tick, const JointWork& work);
 /// Whether something of a joint is made by make_rows(): all but what packs make and limits that are out of reach.
 bool has_own_rows(const JointTick& tick, const JointWork& work);
-/// Whether a pack makes all rows of a joint but those of single axes, which may stay behind by a turn of 2^-given_turn_bits rad.
+/// True if a pack makes all rows of a joint but those of single axes, which may stay behind by a turn of 2^-given_turn_bits rad.
 bool has_axes_alone(const JointTick& tick, const JointWork& work);
 /// Parts of one joint by its table of axes; appends to blocks and axes. Its point is no block yet: most are packed.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);

@@ -206,7 +206,7 @@ template <class L, class Joints> class JointAxes {
         Joints::keep_small(m, Joints::or_size(Speed::splat(0), change));
     }
 
-    /// Towards the speed -bias, with impulses from `low` to `high`. At a bound, where the axis asks for more of it, there is nothing to do.
+    /// Towards the speed -bias, with impulses from `low` to `high`. An impulse at a bound, which the speed would push beyond it, stays.
     /// `pushes`: lanes where what is beyond its limit is pushed back, as by the axis alone: arms on arms gain energy where they are pushed
     /// as hard as they are stopped.
     [[gnu::always_inline]] static void lead(Axis& x, Pack& c, Rows& impulse, Mask has, Speed bias, Speed low,
@@ -244,7 +244,7 @@ template <class L, class Joints> class JointAxes {
     }
 
   public:
-    /// One pass over the axes of a pack, one after another.
+    /// One pass over the axes of a pack, in their order.
     static void solve(Pack& c, Axis* axes, unsigned lane, bool bias, Motion& m, std::uint64_t& clamped) {
         const Speed nothing = Speed::splat(0), most = Speed::splat(impulse_max);
         for (std::uint32_t k = 0; k < c.axis_count; ++k) {

@@ -1,4 +1,4 @@
-// What goes in and out of the lanes of single axes.
+// Single axes of joints into the lanes of their packs, and impulses out of them.
 #include "solve/joints/joint_work.h"
 
 namespace lockstone::solve {

@@ -119,7 +119,7 @@ struct AxisPack {
     std::int32_t has_spring[pack_lanes], has_motor[pack_lanes], has_lower[pack_lanes],
         has_upper[pack_lanes];                         ///< all ones or zero
     std::int32_t ja[3][pack_lanes], jb[3][pack_lanes]; ///< about x y z, 28 fraction bits
-    std::int32_t ra[3][pack_lanes], rb[3][pack_lanes]; ///< responses, likewise
+    std::int32_t ra[3][pack_lanes], rb[3][pack_lanes]; ///< responses, 28 fraction bits
     std::int32_t inverse[pack_lanes];                  ///< k^-1 = inverse / 2^shift, shift from 1 on
     std::int64_t shift[pack_lanes];
     std::int32_t spring[pack_lanes], motor[pack_lanes], lower[pack_lanes], upper[pack_lanes]; ///< p', Speed
@@ -127,9 +127,9 @@ struct AxisPack {
     std::int32_t spring_bias[pack_lanes], spring_bound[pack_lanes], motor_bias[pack_lanes],
         motor_bound[pack_lanes]; ///< as in JointAxisPart
     std::int32_t lower_bias[pack_lanes], lower_relax[pack_lanes], upper_bias[pack_lanes],
-        upper_relax[pack_lanes];                                    ///< likewise
+        upper_relax[pack_lanes];                                    ///< as in JointAxisPart
     std::int32_t mass_scale[pack_lanes], impulse_scale[pack_lanes]; ///< of the spring, Unit
-    // The direction that takes the point along (axis_with_point.h), made anew with the rows of the point:
+    // The direction that takes the point along (axis_with_point.h), made with the rows of the point in each substep:
     std::int32_t lead_ja[6][pack_lanes], lead_jb[6][pack_lanes], lead_ra[6][pack_lanes],
         lead_rb[6][pack_lanes];
     std::int32_t lead[pack_lanes]; ///< its k^-1 = lead / 2^lead_shift

@@ -16,7 +16,7 @@
 //
 // Where loads are light, solving joint after joint from the impulses of the last tick does, at a sixth of the work: joints of a short chain that
 // hangs are open by about a millimetre. A tree is solved at once in two cases. It hangs on the world at two places: solved joint after joint,
-// what is taut between them would sag. Or some body carries many times its own mass: itself and all that hangs on it, away from the root.
+// what is taut between them would sag. Or some body carries many times its own mass, its own and that of the bodies which hang on it counted, away from the root.
 //
 //   joints have limits, the tree hangs on the world     more than 4 times; with 16, a flail that falls onto its limit gains a hundred times its energy
 //   joints have limits, the tree hangs on nothing       more than 5 times: the abdomen of a ragdoll carries 4.3 times its mass
