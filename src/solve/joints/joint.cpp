@@ -45,9 +45,9 @@ void JointSolver::poison(std::byte with) {
     has_plan = false, planned_for = 0;
     down.clear(), up.clear();
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
-           anchors, limits, above_of, above, carried, queue] = forest;
+           anchors, loose, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
-                 loops, anchors, limits, above_of, above, carried, queue);
+                 loops, anchors, loose, above_of, above, carried, queue);
 }
 
 std::string JointSolver::order_fault() const { return solve::order_fault(*work); }

@@ -124,6 +124,12 @@ bool has_limits(const JointTick& tick, const JointWork& w) {
         if ((tick.axes[w.first_axis + i].features & (has_lower | has_upper)) != 0) return true;
     return false;
 }
+/// True if it has a spring, a motor or friction.
+bool is_braked(const JointTick& tick, const JointWork& w) {
+    for (std::uint32_t i = 0; i < w.axis_count; ++i)
+        if ((tick.axes[w.first_axis + i].features & (has_spring | has_motor)) != 0) return true;
+    return false;
+}
 
 /// Whether some body of the tree carries many times its own mass: then a pass joint after joint is far from the solution.
 /// `carried` has the masses before the call, and sums of them after it.
@@ -141,7 +147,7 @@ template <class Mass> bool is_heavy(JointForest& f, Real load, Mass&& mass) {
 /// How many times its mass a body carries in a tree that is solved at once.
 Real load_of(const JointForest& f, std::uint32_t c, const StepConstants& step) {
     if (step.substeps_per_second < light_tree_rate) return step.tree_load;
-    if (f.limits[c] == 0) return step.tree_load * unlimited_tree_loads;
+    if (f.loose[c] == 0) return step.tree_load * braked_tree_loads;
     return f.anchors[c] == 0 ? step.tree_load * free_tree_loads : step.tree_load;
 }
 
@@ -177,12 +183,13 @@ void plan_trees(JointTick& tick, const BodyColumns& columns, const StepConstants
     const auto count = static_cast<std::uint32_t>(tick.bodies.size());
     f.node_of.assign(count, 0);
     f.size.assign(count, 0), f.root.assign(count, no_tree);
-    f.above.assign(count, 0), f.carried.resize(count), f.anchors.assign(count, 0), f.limits.assign(count, 0);
+    f.above.assign(count, 0), f.carried.resize(count), f.anchors.assign(count, 0), f.loose.assign(count, 0);
     for (std::size_t i = 0; i < f.links.size(); ++i) {
         const TreeLink& l = f.links[i];
         const std::uint32_t c = component_of(f, l.a != no_tree ? l.a : l.b);
         ++f.size[c];
-        if (has_limits(tick, tick.joints[l.joint])) f.limits[c] = 1;
+        const JointWork& w = tick.joints[l.joint];
+        if (has_limits(tick, w) || !is_braked(tick, w)) f.loose[c] = 1;
         if (l.a != no_tree && l.b != no_tree) continue;
         if (++f.anchors[c] > 1) continue;
         f.anchor_of[c] = static_cast<std::uint32_t>(i + 1);

@@ -18,10 +18,11 @@
 // hangs are open by about a millimetre. A tree is solved at once in two cases. It hangs on the world at two places: solved joint after joint,
 // what is taut between them would sag. Or some body carries many times its own mass, its own and that of the bodies which hang on it counted, away from the root.
 //
-//   joints have limits, the tree hangs on the world     more than 4 times; with 16, a flail that falls onto its limit gains a hundred times its energy
-//   joints have limits, the tree hangs on nothing       more than 5 times: the abdomen of a ragdoll carries 4.3 times its mass
-//   no joint has a limit                                more than 16 times
-//   fewer than 200 substeps a second                    more than 4 times: a figure that lands sinks into its ankles before its feet have stopped it
+//   it hangs on the world                     more than 4 times; with 16, a flail that falls onto its limit gains a hundred times its energy, and a
+//                                             wheel that turns on a rod is carried around too slowly
+//   it hangs on nothing                       more than 5 times: the abdomen of a ragdoll carries 4.3 times its mass
+//   all its joints are braked, without limits more than 16 times: by springs, motors or friction
+//   fewer than 200 substeps a second          more than 4 times: a figure that lands sinks into its ankles before its feet have stopped it
 //
 // The right side is computed from the rows, and impulses act through the rows, as with all joints: a factor that is a little off costs a
 // little accuracy, never momentum. H is a sum of positive terms, so nothing cancels. Where a body is lighter than 2^-24 of what hangs on it,
@@ -97,17 +98,18 @@ struct JointForest {
     std::vector<std::uint32_t> node_of;        ///< by body: node + 1
     /// By component: links, body, first link to the world + 1
     std::vector<std::uint32_t> size, root, anchor_of;
-    std::vector<std::uint32_t> loops;    ///< by component: joints that close a loop
-    std::vector<std::uint32_t> anchors;  ///< by component: joints to the world
-    std::vector<std::uint32_t> limits;   ///< by component: 1 where some joint has limits
+    std::vector<std::uint32_t> loops;   ///< by component: joints that close a loop
+    std::vector<std::uint32_t> anchors; ///< by component: joints to the world
+    /// By component: 1 where some joint has limits, or no spring, motor or friction
+    std::vector<std::uint32_t> loose;
     std::vector<std::uint32_t> above_of; ///< by node: link to its parent + 1
     std::vector<std::uint32_t> above;    ///< by body: link to its parent + 1
     std::vector<Real> carried;           ///< by body: its mass and all that hangs on it
     std::vector<std::uint32_t> queue;    ///< bodies of a tree
 };
 
-/// By these, StepConstants::tree_load counts for trees that hang on nothing, and for those without limits; from so many substeps a second on.
-inline constexpr Real free_tree_loads = Real(5) / Real(4), unlimited_tree_loads = Real(4);
+/// By these, StepConstants::tree_load counts for trees that hang on nothing, and for those of braked joints; from so many substeps a second on.
+inline constexpr Real free_tree_loads = Real(5) / Real(4), braked_tree_loads = Real(4);
 inline constexpr std::int64_t light_tree_rate = 200;
 
 /// A net is not solved as a tree: where more than one joint of four closes a loop, the joints outside of the tree decide how it stretches.
