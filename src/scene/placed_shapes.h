@@ -91,11 +91,12 @@ inline Rotation axes_of(const PlacedShapes::Shape& at) {
 /// in a tick, in steps of `margin_base`, and of an eighth of itself where that is more, so that it seldom grows while they near each
 /// other; 0 for what goes less than half of `margin_base` in a tick.
 Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate);
-/// True for plates and poles: the reach is more than four times the inner radius. Their ends go farther by turning than their inner radius.
+/// Of plates and poles: reach over inner radius.
+inline constexpr std::int64_t thin_reach = 4;
+/// True for plates and poles: the reach is more than thin_reach times the inner radius. Their ends go farther by turning than their inner radius.
 inline bool is_thin(const PlacedShapes::Shape& at) {
     const ShapeKind kind = at.filter.kind;
-    return at.reach.raw > 4 * std::int64_t{at.inner.raw} && kind != ShapeKind::sphere &&
-           kind <= ShapeKind::hull;
+    return at.reach.raw > thin_reach * at.inner.raw && kind != ShapeKind::sphere && kind <= ShapeKind::hull;
 }
 /// Like ahead_of(), how far the ends of a thin shape go by turning, at most its reach; 0 for all other shapes.
 Length turn_ahead_of(const PlacedShapes::Shape& at, SpeedVec3 angular, std::uint32_t tick_rate);

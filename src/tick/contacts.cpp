@@ -209,28 +209,21 @@ Length point_margin(const View& v, const CandidatePair& c) {
     return max(c.margin, to<Length>(to<Real>(margin_least) + min(moves, extent) * Real(2)));
 }
 
-/// Removes all manifolds where no point is within `margin`. What parts two convex shapes is the hint for the next tick.
-void leave_out_parted(Length margin, bool are_convex, collide::Manifolds& manifolds) {
-    const auto is_near = [&](const collide::Manifold& m) {
-        return std::ranges::any_of(std::span(m.points).first(m.count), [&](const collide::ManifoldPoint& p) {
-            return p.separation <= to<Separation>(margin);
-        });
-    };
-    const std::span<const collide::Manifold> made(manifolds.items, manifolds.count);
-    if (made.empty() || std::ranges::any_of(made, is_near)) return;
-    if (are_convex) manifolds.apart = made[0].normal;
-    manifolds.count = 0;
-}
-
 /// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one. `old`: the last ones.
 void make_manifolds(const View& v, const CandidatePair& c, const PairPlace& place, UnitVec3& apart,
                     std::span<const ContactMemory> old, NarrowWorker& worker) {
     collide::Manifolds& out = worker.manifolds;
     const collide::RelativePose pose{to_rotation(place.rotation), position_of(place)};
-    const Length margin = point_margin(v, c);
-    collide::collide(c.at_a->solid, c.at_b->solid, pose, margin, hints_of(old, apart), worker.narrow, out);
-    const bool looks_farther = margin > c.margin;
-    if (looks_farther) leave_out_parted(c.margin, c.a->geometry.kind < ShapeKind::compound, out);
+    const auto collide_within = [&](Length margin) {
+        collide::collide(c.at_a->solid, c.at_b->solid, pose, margin, hints_of(old, apart), worker.narrow,
+                         out);
+    };
+    // The pair's own margin decides whether there is a contact: an axis that parts the shapes by more is a hint, which must change no result.
+    // A point of the wider margin may be nearer than the shapes are, along the normal of its manifold.
+    collide_within(c.margin);
+    const Length farther = out.count == 0 ? c.margin : point_margin(v, c);
+    const bool looks_farther = farther > c.margin;
+    if (looks_farther) collide_within(farther);
     if (c.margin > margin_least)
         leave_out_far_points(v, c, looks_farther ? v.half_tick + v.half_tick : v.half_tick, out);
     apart = out.apart;

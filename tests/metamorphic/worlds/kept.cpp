@@ -115,12 +115,59 @@ Story character_in_a_crowd() {
     return s;
 }
 
+// A thin capsule that turns, in reach of another shape by the wider margin of its points, and not by its own. An axis that parts the two was kept
+// from the last tick, or not.
+Story plate_beyond_its_margin() {
+    Story s = kept(2);
+    set(s.def.sleeping, 0);
+    add<CreateBody>(s, 0, [](auto& c) { set(c.def.kind, 0); });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 1);
+        set(c.def.geometry.kind, 9);
+        set(c.def.geometry.radius, 0);
+    });
+    add<CreateBody>(s, 0, [](auto& c) { (void)c; });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 3);
+        set(c.def.geometry.kind, 4);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 1677721600);
+        set(c.def.geometry.half_extent.y, 1553186642);
+        set(c.def.geometry.half_extent.z, 8388608);
+        set(c.def.local.rotation.y, 521394137);
+        set(c.def.local.rotation.w, 938653109);
+        set(c.def.restitution, 4294967295);
+    });
+    add<CreateBody>(s, 0, [](auto& c) { set(c.def.angular_velocity.y, -19706384393); });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 5);
+        set(c.def.geometry.kind, 2);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 8388608);
+        set(c.def.geometry.half_extent.y, 517131933);
+        set(c.def.geometry.half_extent.z, 8388608);
+        set(c.def.local.position.x, 274877905920);
+        set(c.def.local.rotation.x, 28772733);
+        set(c.def.local.rotation.y, -887603574);
+        set(c.def.local.rotation.z, 478626217);
+        set(c.def.local.rotation.w, 367655375);
+        set(c.def.surface_velocity.x, 429496729600);
+    });
+    add<CreateField>(s, 0, [](auto& c) {
+        set(c.def.kind, 1);
+        set(c.def.center.y, -4294967295999999999);
+        set(c.def.strength, 50828575571766279);
+    });
+    return s;
+}
+
 } // namespace
 
 std::vector<KeptStory> kept_stories() {
     return {{"a contact that does nothing gets no impulse from its pack", idle_lane()},
             {"the gap of a contact of one point does not depend on its pack", far_motion()},
-            {"a character moves where all passes are one run", character_in_a_crowd()}};
+            {"a character moves where all passes are one run", character_in_a_crowd()},
+            {"a plate has a contact by its own margin", plate_beyond_its_margin()}};
 }
 
 std::string first_apart(const Story& story) {
