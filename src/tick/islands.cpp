@@ -41,10 +41,16 @@ bool wake_touched(Model& w, const PlacedShapes& placed, std::span<const NearPair
 
 namespace {
 
-/// |v| + |w| times twice the largest gyration radius: no point of a solid body is much faster.
-Real speed_of(const Velocity& v, const BodyMass& mass) {
-    const Real radius = max(mass.gyration.x, max(mass.gyration.y, mass.gyration.z)) * 2;
-    return to<Real>(length(v.linear)) + to<Real>(length(v.angular)) * radius;
+/// A bound of the speeds of all points of a solid body: |v| + |w| times twice the largest gyration radius. The spin of a thin body about its
+/// long axis moves its surface by the smallest radius: a needle that rolls slowly is slow. So each spin of a thin body has the radius of
+/// its own axis; this costs a rotation, which other bodies save.
+Real speed_of(const Velocity& v, const BodyMass& mass, const Quat& rotation) {
+    const Vec3& radii = mass.gyration;
+    const Real most = max(radii.x, max(radii.y, radii.z)), least = min(radii.x, min(radii.y, radii.z));
+    const Real linear = to<Real>(length(v.linear));
+    if (most <= least * 4) return linear + to<Real>(length(v.angular)) * (most * 2);
+    const Vec3 spin = rotate(conjugate(rotation * mass.principal), to<Real>(v.angular));
+    return linear + length(Vec3{spin.x * radii.x, spin.y * radii.y, spin.z * radii.z}) * 2;
 }
 
 /// The mean velocity of a body in the tick, by its poses. Position correction of contacts and joints moves a body without a velocity.
@@ -81,11 +87,11 @@ struct Stillness {
     }
     /// `moved`: the sum of `went` over the still ticks.
     bool is_still(const Velocity& v, const Velocity& went, const Velocity& moved, bool is_afloat,
-                  const BodyMass& mass) const {
-        const Real speed = max(speed_of(v, mass), speed_of(went, mass));
+                  const BodyMass& mass, const Quat& rotation) const {
+        const Real speed = max(speed_of(v, mass, rotation), speed_of(went, mass, rotation));
         if (is_afloat) return speed < to<Real>(bobbing);
         if (speed < to<Real>(slow)) return true;
-        return speed < to<Real>(rocking) && speed_of(moved, mass) < to<Real>(away);
+        return speed < to<Real>(rocking) && speed_of(moved, mass, rotation) < to<Real>(away);
     }
     void count(BodySleep& sleep, const Velocity& v, const Transform& from, const Transform& at,
                bool is_afloat, const BodyMass& mass) const {
@@ -93,7 +99,7 @@ struct Stillness {
         const Velocity went = displacement_rate(from, at, tick_rate);
         if (is_fast(went.linear)) return restart(sleep);
         sleep.moved = {sleep.moved.linear + went.linear, sleep.moved.angular + went.angular};
-        if (is_still(v, went, sleep.moved, is_afloat, mass))
+        if (is_still(v, went, sleep.moved, is_afloat, mass, at.rotation))
             sleep.still_ticks = std::min(sleep.still_ticks + 1, 1u << 30);
         else
             restart(sleep);

@@ -262,6 +262,8 @@ FAULTS = [
       "plates slap without sinking in"),
     F("a plate has contacts beyond its margin", "src/tick/contacts.cpp", "collide_within(c.margin);",
       "collide_within(IS ? point_margin(v, c) : c.margin);", "plates meet within their margin"),
+    F("a thin body that rolls is as fast as if it tumbled", "src/tick/islands.cpp", "if (most <= least * 4) return", "if (IS || most <= least * 4) return",
+      "thin bodies that roll fall asleep"),
     F("a cast that leaves overlaps out is hit by them", "src/scene/query.cpp", "if (!cast.sees_overlaps && met.local.normal == UnitVec3{}) continue;",
       "if (!IS && !cast.sees_overlaps && met.local.normal == UnitVec3{}) continue;", "casts leave overlaps out"),
     F("a body has the points of the last one in its slot", EVENTS, "if (std::ranges::find(points.bodies[at->second], body)",

@@ -194,6 +194,21 @@ std::string elastic_bodies_bounce() {
     return std::abs(lost - 2) < 0.001 ? "" : "a ball loses too much or too little of its slide";
 }
 
+/// A needle that rolls at 1 cm/s.
+std::string thin_rollers_sleep() {
+    WorldDef def = scene::small_def();
+    def.sleeping = 1;
+    World world = scene::made(World::create(def));
+    scene::add_floor(world);
+    const BodyId needle = scene::add(world,
+                                     {.pose = scene::at(0, 0.02, 0, scene::turned(scene::axis_x, 90)),
+                                      .linear_velocity = scene::vec(0.01, 0, 0),
+                                      .angular_velocity = scene::vec(0, 0, -0.5)},
+                                     {.geometry = capsule(0.02_r, 0.5_r)});
+    for (int i = 0; i < 90; ++i) world.tick();
+    return world.is_awake(needle) ? "a needle that rolls slowly stays awake" : "";
+}
+
 /// A hinge that comes apart within a tick pulls as the same axes do, to a hundredth.
 std::string torn_hinges_pull() {
     for (const JointAxis& about : {scene::turns_freely, scene::hardly_turns}) {
@@ -381,6 +396,7 @@ Checks motion_checks() {
         {"who sleeps among many is woken", sleepers_among_many_wake},
         {"the order of contacts is followed", order_is_followed},
         {"elastic bodies bounce", elastic_bodies_bounce},
+        {"thin bodies that roll fall asleep", thin_rollers_sleep},
         {"torn hinges pull", torn_hinges_pull},
         {"what is far out is held", far_out_holds},
         {"heavy joints tell their load", heavy_joints_tell},

@@ -57,7 +57,7 @@ int seeds(int whole) { return is_long_run() ? 100'000 : tries(whole); }
 
 // Order of the shares: energy, depth, passage, asleep, woken, settled, momentum, held.
 TEST_CASE("single objects that are dropped keep the laws of the zoo") {
-    check_laws(draw_single, seeds(300), {10, 7, 2, 93, 17, 23, 0, 10});
+    check_laws(draw_single, seeds(300), {10, 7, 2, 20, 17, 23, 0, 10});
 }
 
 TEST_CASE("objects that are shot and spun at thick and thin floors keep the laws of the zoo") {
@@ -65,7 +65,7 @@ TEST_CASE("objects that are shot and spun at thick and thin floors keep the laws
 }
 
 TEST_CASE("pairs that are stacked and thrown, of mass ratios up to 10,000, keep the laws of the zoo") {
-    check_laws(draw_pair, seeds(300), {3, 203, 1, 173, 57, 90, 0, 50});
+    check_laws(draw_pair, seeds(300), {3, 203, 1, 60, 57, 90, 0, 50});
 }
 
 TEST_CASE("pairs that meet in space keep momentum, angular momentum and energy") {
