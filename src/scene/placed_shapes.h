@@ -91,7 +91,7 @@ inline Rotation axes_of(const PlacedShapes::Shape& at) {
 /// in a tick, in steps of `margin_base`, and of an eighth of itself where that is more, so that it seldom grows while they near each
 /// other; 0 for what goes less than half of `margin_base` in a tick.
 Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate);
-/// Of plates and poles: reach over inner radius.
+/// Reach over inner radius, above which a shape is a plate or a pole.
 inline constexpr std::int64_t thin_reach = 4;
 /// True for plates and poles: the reach is more than thin_reach times the inner radius. Their ends go farther by turning than their inner radius.
 inline bool is_thin(const PlacedShapes::Shape& at) {

@@ -510,7 +510,7 @@ FAULTS = [
     F("axes leave the points of their joints behind", "src/solve/joints/pack/axis_kernel.h", "V fails = find_answer(c, x, lane, answer);",
       "V fails = L::either(find_answer(c, x, lane, answer), L::splat(IS ? -1 : 0));", "hinges hold"),
     F("an axis with its point moves as the axis alone", "src/solve/joints/pack/axis_kernel.h", "L::greater64(least, along), least, along)",
-      "L::greater64(least, along), least, IS ? alone : along)", "hinges hold"),
+      "L::greater64(least, along), least, IS ? alone : along)", "golden table"),
     F("points forget what axes asked of them", "src/solve/joints/pack/axis_kernel.h", "now.store(&c.impulse[r][lane]);",
       "if (!IS) now.store(&c.impulse[r][lane]);", "golden table"),
     F("arms are pushed back as hard as they are stopped", "src/solve/joints/pack/axis_kernel.h", "speed + (bias & ~pushes)",

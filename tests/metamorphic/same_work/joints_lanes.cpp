@@ -64,7 +64,8 @@ struct HostilePack {
     }
     /// Returns how many inverses the kernel left.
     int invert_by(const solve::JointKernel& kernel) {
-        const solve::JointPassData data{nullptr, &pack, &turn, nullptr, nullptr, nullptr, 0, 0, 0, 0};
+        const solve::JointPassData data{nullptr, &pack, &turn, nullptr, nullptr, nullptr,
+                                        nullptr, 0,     0,     0,       0};
         kernel.invert(data, 0, 1);
         std::uint32_t left = 0;
         for (std::uint32_t lane = 0; lane < solve::pack_lanes; ++lane) {
@@ -118,7 +119,7 @@ struct TurnedFour {
                 b.theta[i] = random() % 4 == 0 ? 0 : static_cast<std::int32_t>(any(31));
             }
         }
-        kernel.turn({bodies.data(), nullptr, nullptr, &held, turned, seen, 0, 0, 0, 0}, 0, 1);
+        kernel.turn({bodies.data(), nullptr, nullptr, nullptr, &held, turned, seen, 0, 0, 0, 0}, 0, 1);
     }
     bool operator==(const TurnedFour& o) const {
         const auto same = [](const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
