@@ -337,7 +337,7 @@ Quat rotation_now(const Transform& pose, std::uint32_t body, const SolverBodies&
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// After its rows were made.
 void set_glance(JointTick& tick, const JointWork& work);
-/// Likewise of what is known of it: has_own_rows(), has_axes_alone().
+/// Sets the glance of a joint by the results of has_own_rows() and has_axes_alone().
 void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool axes_alone);
 /// Rows, responses, inverses and targets of a joint's parts. Writes nothing that is another joint's.
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
