@@ -94,6 +94,27 @@ planted_hang_is_stopped() {
     ! pgrep -f "^$name" && grep -q '^stopped: it ran for over 1 s' <<<"$report"
 }
 
+# A package manager of three scripts refuses to install until the installation that was killed
+# halfway is finished; tools/packages has to finish it. A manager that stays broken is reported.
+interrupted_installation_is_finished() {
+    local folder
+    folder=$(mktemp -d)
+    printf '#!/bin/sh\nexit 1\n' >"$folder/dpkg-query"
+    printf '#!/bin/sh\n[ ! -e %q/hopeless ] && echo "$*" >%q/finished\n' "$folder" "$folder" >"$folder/dpkg"
+    printf '#!/bin/sh\ncase "$*" in update*) ;; *) grep -q -- "--configure -a" %q/finished && echo "$*" >>%q/calls ;; esac\n' "$folder" "$folder" >"$folder/apt-get"
+    printf '#!/bin/sh\nexec "$@"\n' >"$folder/sudo"
+    chmod +x "$folder"/*
+    PATH=$folder:$PATH tools/packages one two && cat "$folder/calls" && tail -n 1 "$folder/calls" | grep -q '^install .* one two$' || return 1
+    rm "$folder/finished" && touch "$folder/hopeless"
+    if PATH=$folder:$PATH tools/packages one two 2>"$folder/error"; then
+        echo "a package manager that stays broken was not noticed"
+        return 1
+    fi
+    cat "$folder/error"
+    grep -q 'could not install: one two' "$folder/error" || return 1
+    rm -r "$folder"
+}
+
 # timed NAME COMMAND...: the command; then a line of the table that is printed at the end: seconds, seconds of processors, name.
 timed() {
     local name=$1 status=0 took=$logs/took.$BASHPID TIMEFORMAT='%0R %0U %0S'
