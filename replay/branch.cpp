@@ -14,7 +14,7 @@ void set_option(std::vector<Option>& options, std::string key, std::string value
     options.push_back({std::move(key), std::move(value)});
 }
 
-/// The source's header with the new options laid over its own.
+/// The source's header, with the new options in place of its own options of the same keys.
 Header header_of(const Recording& source, std::uint64_t at, const RecorderOptions& options) {
     Header header = source.header();
     header.engine = engine_version;
@@ -37,7 +37,7 @@ Status copy_tick(const Recording& source, const TickBlock& block, std::uint64_t 
                                                 : writer.add_commands(block.commands(tick), hash);
 }
 
-/// The source up to `at`, which it holds, through a new writer. Nothing is simulated.
+/// Copies the ticks of the source up to time `at`, which must lie within it, through a new writer. Simulates nothing.
 Result<Writer> copy(const Recording& source, const Header& header, std::uint64_t at, Sink& sink,
                     const RecorderOptions& options) {
     Result<Writer> writer = begin_like(source, header, sink, options);

@@ -1,5 +1,5 @@
-// Recordings made of recordings. What if: copied up to a time, to go on from there with other inputs or commands.
-// Also: repair makes a complete file of a damaged one, add_keyframes adds keyframes afterwards.
+// Recordings made from recordings. A branch copies a recording up to a time, and goes on with other inputs or
+// commands. repair() makes a complete file of a damaged one; add_keyframes() adds keyframes later.
 #pragma once
 
 #include "replay/player.h"
@@ -7,8 +7,8 @@
 
 namespace lockstone::replay {
 
-/// A recorder whose next tick is `at`, and the world as it stands there. HEAD tells the origin: options "branch.of" (the
-/// source's checksum) and "branch.at".
+/// A recorder whose next tick is `at`, and the world at that time. Options in HEAD record the origin: "branch.of"
+/// (the source's checksum) and "branch.at".
 struct InputBranch {
     InputRecorder recorder;
     World world;
@@ -16,8 +16,8 @@ struct InputBranch {
 Result<InputBranch> branch_inputs(const Recording& source, const Game& game, std::uint64_t at, Sink& sink,
                                   const RecorderOptions& options = {});
 
-/// The same for commands. Attach by CommandRecorder::resume(std::move(writer), world, keyframe_ticks) once `world`
-/// has its place.
+/// The equivalent for commands. Once `world` is at its final address, attach it by
+/// CommandRecorder::resume(std::move(writer), world, keyframe_ticks).
 struct CommandBranch {
     Writer writer;
     World world;
@@ -25,13 +25,14 @@ struct CommandBranch {
 Result<CommandBranch> branch_commands(const Recording& source, std::uint64_t at, Sink& sink,
                                       const RecorderOptions& options = {});
 
-/// All ticks of a recording that was cut or damaged, as a complete file: nothing is simulated. HEAD tells the origin:
-/// options "repaired.of" (the checksum of the last whole chunk) and "repaired.end" (the time where it ends).
+/// Writes all ticks of a recording that was cut or damaged as a complete file; simulates nothing. Options in HEAD
+/// record the origin: "repaired.of" (the checksum of the last whole chunk) and "repaired.end" (the time at which it
+/// ends).
 Status repair(const Recording& source, Sink& sink);
 
-/// The whole recording again with keyframes every keyframe_ticks, made by re-simulation: for one that was fed from a
-/// confirmed timeline, where no state was at hand, or that was recovered. Ends as a complete recording. Refuses a
-/// recording that re-simulation does not reproduce. The options are those of the source.
+/// Writes the whole recording with a keyframe every keyframe_ticks, made by re-simulation: for a recording of a
+/// confirmed timeline, for which no state was available, or for a recovered one. The result is a complete recording.
+/// Fails if re-simulation does not reproduce the recording. HEAD gets the options of the source.
 Status add_keyframes(const Recording& source, const Game* game, Sink& sink,
                      const RecorderOptions& options = {});
 

@@ -23,7 +23,7 @@ std::string describe_input(const PlayerInput& input) {
     return input.status == InputStatus::disconnected ? std::string("disconnected") : digits_of(input.bytes);
 }
 
-/// How the inputs or commands of one tick differ; empty when they are the same.
+/// The difference between the inputs or commands of one tick; empty if they are equal.
 std::string difference_of(std::span<const PlayerInput> left, std::span<const PlayerInput> right) {
     for (std::size_t p = 0; p < std::min(left.size(), right.size()); ++p)
         if (left[p].status != right[p].status || !std::ranges::equal(left[p].bytes, right[p].bytes))
@@ -50,7 +50,7 @@ std::string difference_of(std::span<const Command> left, std::span<const Command
     return {};
 }
 
-/// Walks two recordings block by block in step.
+/// Iterates over the blocks of two recordings, tick by tick.
 class TickPair {
   public:
     TickPair(const Recording& l, const Recording& r) : mode(l.header().mode), left(l), right(r) {}
@@ -76,7 +76,7 @@ void find_first_hash(const Recording& left, const Recording& right, DiffReport& 
     }
 }
 
-/// The last tick worth looking at is the one after which the states differ: later inputs explain nothing.
+/// The last tick to compare is the one after which the states differ: later inputs explain nothing.
 void find_first_input(const Recording& left, const Recording& right, DiffReport& report) {
     if (left.header().mode != right.header().mode) return;
     TickPair ticks(left, right);
@@ -93,7 +93,7 @@ std::string first_phase(std::span<const PhaseHash> left, std::span<const PhaseHa
     return {};
 }
 
-/// States of one layout; the sides' worlds may have other capacities, which State::diff does not mind.
+/// Compares states of one layout. The two worlds may have different capacities, which State::diff accepts.
 void compare(const State& left, const State& right, std::uint64_t time, std::size_t limit,
              DiffReport& report) {
     report.compared_at = time;
@@ -103,8 +103,8 @@ void compare(const State& left, const State& right, std::uint64_t time, std::siz
     if (report.has_more) report.differences.resize(limit);
 }
 
-/// A side that re-simulation does not reproduce can still testify: its next keyframe holds the state as it was there.
-/// `player` becomes that state; false when no keyframe follows.
+/// For a side that re-simulation does not reproduce: its next keyframe still holds the recorded state. Moves `player`
+/// to that state. Returns false if no keyframe follows.
 bool go_to_next_keyframe(Player& player, std::uint64_t after) {
     const auto keyframes = player.recording().keyframes();
     const auto next = std::ranges::upper_bound(keyframes, after, {}, &Recording::Keyframe::time);

@@ -71,7 +71,8 @@ Status Parser::read_chunks() {
     return {};
 }
 
-/// A file whose last chunk is END. was closed: when a chunk seems to run past its end, a size is wrong, not the file short.
+/// Returns true if the last chunk is END., so the file was closed. If a chunk seems to run past the end of such a
+/// file, its size is wrong; the file is not cut.
 bool Parser::ends_like_a_whole_file() const {
     constexpr std::size_t end_bytes = chunk_head_bytes + 24 + checksum_bytes;
     return file.size() >= preamble_bytes + end_bytes &&
@@ -124,7 +125,7 @@ Status Parser::read_chunk(const Chunk& chunk) {
         return Error{
             join("chunk ", chunk_name(chunk.type), " at byte ", chunk.offset, ": ", status.error().message)};
     const std::string subject = join("chunk ", chunk_name(chunk.type), " at byte ", chunk.offset);
-    // The reader's offsets are those of the file: it begins at byte 0 and steps to the payload.
+    // Starts the reader at byte 0 and skips to the payload, so that its offsets are those of the file.
     const std::uint64_t end = chunk.payload_offset + chunk.payload_size;
     ByteReader in(file.first(static_cast<std::size_t>(end)), subject);
     in.bytes(chunk.payload_offset, "file");
@@ -132,7 +133,7 @@ Status Parser::read_chunk(const Chunk& chunk) {
     read_payload(chunk, in);
     if (!in.ok()) return in.error();
     if (chunk.type == chunk_index) index_offset = chunk.offset;
-    if (memory_left() < index.size() * sizeof(IndexEntry)) // which a longer list may need at once
+    if (memory_left() < index.size() * sizeof(IndexEntry)) // growth of the list may need as much memory again
         return Error{join(subject, ": the limit of memory, ", out.read_limits.memory,
                           " bytes, is reached (--memory)")};
     const bool has_tick = chunk.type == chunk_ticks || chunk.type == chunk_keyframe;
@@ -196,7 +197,7 @@ void Parser::read_payload(const Chunk& chunk, ByteReader& in) {
         read_end(in);
         break;
     default:
-        return; // skippable
+        return; // a skippable chunk
     }
     in.expect_end();
 }

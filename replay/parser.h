@@ -1,4 +1,4 @@
-// Reads the chunks of a file into a Recording. Inside replay only.
+// Reads the chunks of a file into a Recording. For use inside replay/ only.
 #pragma once
 
 #include "replay/recording.h"
@@ -7,17 +7,17 @@
 
 namespace lockstone::replay {
 
-/// Why these bytes do not begin like a recording that this reader knows; empty when they do.
+/// Checks if these bytes begin like a recording of a known version. Returns an empty text if they do, else the error.
 std::string preamble_fault(std::span<const std::byte> bytes);
 
 class Parser {
   public:
     explicit Parser(Recording& into) : out(into), file(into.bytes) {}
-    /// Fills the recording. On recovery, errors after the first keyframe become its damage sentence.
+    /// Fills the recording. On recovery, errors after the first keyframe become the recording's damage sentence.
     Status run(OnDamage on_damage);
 
   private:
-    /// A chunk whose frame and checksum are good.
+    /// A chunk with a valid frame and checksum.
     struct Chunk {
         std::uint32_t type = 0;
         bool skippable = false;
@@ -39,18 +39,18 @@ class Parser {
     void read_end(base::ByteReader& in);
     bool ends_like_a_whole_file() const;
     Error cut(const std::string& how);
-    /// Of the limit, what is not taken yet.
+    /// The part of the memory limit that is not used yet.
     std::uint64_t memory_left() const;
 
     Recording& out;
     std::span<const std::byte> file;
-    std::size_t at = 0;             ///< of the next chunk
-    std::uint32_t chunks_seen = 0;  ///< of the types this reader knows, up to the first keyframe
+    std::size_t at = 0;             ///< offset of the next chunk
+    std::uint32_t chunks_seen = 0;  ///< chunks of the opening sequence read so far, up to the first keyframe
     std::uint64_t index_offset = 0; ///< 0 until INDX
     bool ended = false;
-    bool is_cut = false; ///< the error was that the file ends too early
+    bool is_cut = false; ///< the error was an early end of the file
     std::set<AssetId> assets;
-    std::vector<IndexEntry> index; ///< what INDX must say
+    std::vector<IndexEntry> index; ///< the entries that INDX must have
 };
 
 } // namespace lockstone::replay

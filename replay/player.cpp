@@ -12,7 +12,7 @@ using base::join;
 
 constexpr std::uint64_t kept_ticks = 60;
 
-/// Why this engine and game are not those of the recording; empty when they are.
+/// Checks that the game is the one of the recording. Returns an empty text if it is, else the error.
 std::string game_fault(const Header& header, const Game& game) {
     if (game.name() != header.game) return join("it is of the game ", header.game, ", this is ", game.name());
     if (game.content_id() != header.content_id)
@@ -41,7 +41,7 @@ std::string world_fault(const Recording& recording, const World& world) {
     return {};
 }
 
-/// What World::create asserts rather than reports, because its caller is a program and ours is a file.
+/// Checks rules that World::create asserts: its caller is a program, but this schema comes from a file.
 std::string schema_fault(const GameSchema& schema) {
     WorldDef least;
     least.bodies_max = least.shapes_max = least.contacts_max = least.fields_max = least.pair_filters_max = 1;
@@ -54,7 +54,7 @@ std::string schema_fault(const GameSchema& schema) {
     return {};
 }
 
-/// Why a world of this definition cannot play the recording within its limits; empty when it can.
+/// Checks that a world of this definition can play the recording within its limits. Returns an empty text if it can.
 std::string memory_fault(const Recording& recording, const WorldDef& def, const GameSchema& schema) {
     if (const auto bytes = World::memory_of(def, schema); !bytes) return bytes.error().message;
     const std::uint64_t need = recording.memory() + Player::memory_of(recording, def, schema);
@@ -94,7 +94,8 @@ std::uint64_t Player::memory_of(const Recording& recording, const WorldDef& def,
     std::uint64_t image = 0;
     for (const Recording::Keyframe& keyframe : recording.keyframes())
         image = std::max(image, keyframe.image_size);
-    // The world; states that keyframes are read into and compared with; keyframes as they stand and as they should be.
+    // The world; states into which keyframes are read and with which they are compared; keyframes as recorded and as
+    // computed.
     return (world ? world->all() + 3 * world->state : 0) + 4 * image + recording.commands_memory();
 }
 
@@ -178,7 +179,7 @@ Status Player::seek_keyframe(std::size_t keyframe) {
     if (const Status status = now.restore_portable(source->keyframe_image(keyframe)); !status)
         return error(where + status.error().message);
     if (const Status status = game == nullptr ? Status() : game->check(now); !status) {
-        now.restore(before); // the rules could not go on from the other
+        now.restore(before); // the game cannot go on from the refused state
         return error(join(where, "the game refuses the state: ", status.error().message));
     }
     time_now = which.time;

@@ -2,7 +2,7 @@
 //
 //   Player player = Player::open(recording, game).value();      // inputs: needs the game
 //   Player player = Player::open(recording).value();            // commands: needs nothing
-//   player.seek(1200);                                          // nearest keyframe, then re-simulated
+//   player.seek(1200);                                          // nearest keyframe, then re-simulation
 //   draw(player.world());
 #pragma once
 
@@ -14,14 +14,14 @@ namespace lockstone::replay {
 
 class Player {
   public:
-    /// Refuses a game or an engine that cannot play the recording: another name, content id, players, schema or world.
-    /// Stands at the start. Both arguments outlive the player.
+    /// Fails for a game or an engine that cannot play the recording: another name, content id, player count, schema
+    /// or world. The player starts at start_tick(). Both arguments must outlive the player.
     static Result<Player> open(const Recording& recording, const Game& game);
     static Result<Player> open(const Recording& recording);
-    /// Either: `game` null is refused in inputs mode, ignored in commands mode.
+    /// For either mode. A null `game` is an error in inputs mode; commands mode ignores it.
     static Result<Player> open(const Recording& recording, const Game* game);
-    /// An upper bound of what a player takes besides the recording [bytes], its kept states left out; more than the limit
-    /// leaves is refused by open.
+    /// An upper bound of the memory that a player needs in addition to the recording [bytes], without its kept
+    /// states. open() fails if this exceeds the remaining limit.
     static std::uint64_t memory_of(const Recording& recording, const WorldDef& def, const GameSchema& schema);
 
     const Recording& recording() const { return *source; }
@@ -30,20 +30,21 @@ class Player {
     World release() && { return std::move(now); }
 
     std::uint64_t time() const { return time_now; }
-    /// Where it reads what a tick is made of.
+    /// The cursor from which it reads inputs and commands.
     BlockCursor& blocks() { return cursor; }
     bool at_end() const { return time_now == source->end_tick(); }
-    /// Whether the world is, by its hash, the recorded one at this time.
+    /// Returns true if the world's hash equals the recorded hash at this time.
     bool agrees() const { return now.hash() == source->hash_at(time_now); }
 
-    /// Runs tick time(). Errors: at the end; a command that the world refuses. What was reached stays; it may not agree.
+    /// Runs tick time(). Errors: at the end; a command that the world refuses. After an error the world stays as it
+    /// is, and may not agree with the recording.
     Status step();
-    /// To the state at a time start_tick() .. end_tick(), from the nearest keyframe, or from a state that was passed
-    /// before: one in 60 is kept. Any other time is an error and changes nothing.
+    /// Moves to the state at a time start_tick() .. end_tick(), from the nearest keyframe, or from a state that was
+    /// visited before: every 60th is kept. Any other time is an error and changes nothing.
     Status seek(std::uint64_t to);
-    /// Bytes that kept states may take, 64 MiB by default; 0 keeps none from now on.
+    /// Bytes that kept states may occupy, 64 MiB by default; 0: keeps no further states.
     void keep_states(std::size_t bytes_max) { kept_bytes_max = bytes_max; }
-    /// To the state that a keyframe holds. Its hash is checked. An error when there is no such keyframe.
+    /// Moves to the state of a keyframe, and checks its hash. An error if there is no such keyframe.
     Status seek_keyframe(std::size_t keyframe);
 
   private:

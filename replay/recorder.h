@@ -1,4 +1,4 @@
-// Recorders: from a game's confirmed ticks, or from a world's commands, to a sink.
+// Recorders: write a game's confirmed ticks, or a world's commands, to a sink.
 //
 //   FileSink file = FileSink::create("match.lsr").value();
 //   InputRecorder recorder = InputRecorder::begin(file, game, world).value();
@@ -8,7 +8,8 @@
 //   }
 //   recorder.close();
 //
-// Under rollback the world runs ahead of what is confirmed: feed `on_tick` from the timeline's confirmed ticks, in order.
+// Under rollback the world runs ahead of the confirmed ticks: call `on_tick` with the timeline's confirmed ticks, in
+// order.
 #pragma once
 
 #include "replay/writer.h"
@@ -18,29 +19,30 @@
 namespace lockstone::replay {
 
 struct RecorderOptions {
-    std::vector<Option> options = {};                      ///< for HEAD; sorted here, keys unique
+    std::vector<Option> options = {}; ///< for HEAD; the recorder sorts them; keys must be unique
     std::uint64_t keyframe_ticks = keyframe_ticks_default; ///< 0: only the first
     std::uint32_t block_ticks = block_ticks_default;       ///< ticks that a crash may lose, 1..1024
 };
 
 class InputRecorder {
   public:
-    /// `start` is the world before its next tick; when it stands at tick 0, it is as game.start() made it (verifiers check).
+    /// `start` is the world before its next tick. At tick 0 it must equal the result of game.start() (verifiers check
+    /// this).
     static Result<InputRecorder> begin(Sink& sink, const Game& game, const World& start,
                                        const RecorderOptions& options = {});
-    /// Goes on with a writer in inputs mode.
+    /// Continues with a writer in inputs mode.
     static InputRecorder resume(Writer writer, std::uint64_t keyframe_ticks);
 
-    // Errors stay: after the first, nothing more is written and every call returns it.
-    /// Tick `tick` was run with these inputs and left a state of this hash. Ticks come in order without gaps.
+    // Errors are permanent: after the first one, nothing more is written, and every call returns it.
+    /// Records that tick `tick` ran with these inputs and gave a state of this hash. Ticks come in order without gaps.
     Status on_tick(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash);
-    /// Whether a keyframe of the state after the last tick should be given now. Leaving one out only makes seeking slower.
+    /// Returns true if a keyframe of the state after the last tick is due. Without it, seeking is slower.
     bool keyframe_due() const;
-    /// `world` stands right after the last tick that was recorded (checked).
+    /// Writes a keyframe. `world` must be at the time right after the last recorded tick (checked).
     Status keyframe(const World& world);
-    /// The plain loop: on_tick for the tick that `world` has just run, and a keyframe when one is due.
+    /// For a plain loop: on_tick() for the tick that `world` has just run, and a keyframe if one is due.
     Status after_tick(const World& world, std::span<const PlayerInput> inputs);
-    /// Writes pending ticks at once, as before a pause.
+    /// Writes pending ticks immediately, for example before a pause.
     Status flush() { return writer.flush(); }
     Status close() { return writer.close(); }
 
@@ -53,14 +55,15 @@ class InputRecorder {
     std::uint64_t keyframe_ticks;
 };
 
-/// Records every command of a world, by itself: it attaches as the world's journal.
+/// Records every command of a world automatically: it attaches as the world's journal.
 class CommandRecorder final : public Journal {
   public:
-    /// The world is neither moved nor destroyed until close() or the recorder's end: that ends the program with a sentence.
-    /// A restore meanwhile is an error that stays: commands alone do not lead there.
+    /// The world must be neither moved nor destroyed before close() or the end of the recorder; otherwise the program
+    /// ends with a sentence. A restore in the meantime is a permanent error, as commands alone do not lead to the
+    /// restored state.
     static Result<std::unique_ptr<CommandRecorder>> begin(Sink& sink, World& world, const std::string& label,
                                                           const RecorderOptions& options = {});
-    /// Goes on with a writer in commands mode whose next tick is the world's.
+    /// Continues with a writer in commands mode whose next tick is the world's.
     static std::unique_ptr<CommandRecorder> resume(Writer writer, World& world, std::uint64_t keyframe_ticks);
     ~CommandRecorder() override;
     CommandRecorder(const CommandRecorder&) = delete;
@@ -70,9 +73,9 @@ class CommandRecorder final : public Journal {
     void on_tick(std::uint64_t tick, std::uint64_t hash) override;
     void on_restore(std::uint64_t tick) override;
 
-    /// Ticking cannot return an error: ask here, or wait for close().
+    /// The first error. A tick cannot return it: read it here, or from close().
     const Status& status() const { return state; }
-    /// Detaches, writes the rest. Commands after the last tick have had no effect yet and are left out.
+    /// Detaches from the world and writes the rest. Omits commands after the last tick, which have had no effect yet.
     Status close();
     std::uint64_t bytes_written() const { return writer.bytes_written(); }
 
@@ -84,7 +87,7 @@ class CommandRecorder final : public Journal {
     World* world; ///< null after close
     std::weak_ptr<const void> lifetime;
     std::uint64_t keyframe_ticks;
-    std::vector<Command> pending; ///< before the next tick
+    std::vector<Command> pending; ///< for the next tick
     Status state;
 };
 

@@ -19,7 +19,7 @@ struct CloseFile {
     void operator()(std::FILE* f) const { std::fclose(f); }
 };
 
-/// How many bytes a file has; 0 where the system does not tell, as of pipes. With stdio alone, which is there on every machine.
+/// The size of a file; 0 if the system does not know it, as for pipes. Uses only stdio, which exists on every system.
 std::uint64_t told_size(std::FILE* file) {
     const bool told = std::fseek(file, 0, SEEK_END) == 0;
     const long end = told ? std::ftell(file) : 0;
@@ -27,8 +27,9 @@ std::uint64_t told_size(std::FILE* file) {
     return end > 0 ? static_cast<std::uint64_t>(end) : 0;
 }
 
-/// The whole file, read in growing steps: its size is not believed, and a file that is no recording ends at the preamble.
-/// Never more than `memory` bytes at a time; where the system tells the size, no more than that.
+/// Reads the whole file in growing steps: the reported size is not trusted, and reading stops after the preamble if
+/// the file is no recording. Never holds more than `memory` bytes at a time; if the system reports the size, the
+/// buffer has just that size.
 Result<std::vector<std::byte>> read_file(const std::string& path, std::uint64_t memory) {
     errno = 0;
     const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
@@ -36,12 +37,13 @@ Result<std::vector<std::byte>> read_file(const std::string& path, std::uint64_t 
     const std::uint64_t told = told_size(file.get());
     const std::uint64_t most = std::min(file_bytes_max, memory);
     std::vector<std::byte> bytes;
-    if (told != 0 && told < most) bytes.reserve(static_cast<std::size_t>(told) + 1); // and the try to read on
+    // One more byte, for the read that finds the end.
+    if (told != 0 && told < most) bytes.reserve(static_cast<std::size_t>(told) + 1);
     std::size_t step = preamble_bytes;
     while (true) {
         const std::size_t before = bytes.size();
         if (bytes.capacity() > before) step = std::min(step, bytes.capacity() - before);
-        if (before + step > bytes.capacity() && 2 * before + step > most) // the old bytes and the new
+        if (before + step > bytes.capacity() && 2 * before + step > most) // the old buffer and the new one
             return Error{join(path, ": the file has more than ", before, " bytes; with ", most,
                               " bytes of memory no more can be read (--memory)")};
         bytes.resize(before + step);

@@ -1,9 +1,9 @@
-// Recordings (.lsr): FORMAT.md is the file, README.md the tour.
+// Recordings (.lsr): FORMAT.md specifies the file, README.md is an overview.
 #pragma once
 
-#include "replay/branch.h"    // copy up to a tick, then something else
-#include "replay/diff.h"      // where two recordings part
+#include "replay/branch.h"    // copies up to a tick, then goes on differently
+#include "replay/diff.h"      // where two recordings differ
 #include "replay/player.h"    // any tick, forwards and backwards
-#include "replay/recorder.h"  // from a game's ticks or a world's commands
-#include "replay/recording.h" // a file that was read
-#include "replay/verifier.h"  // every tick re-simulated and compared
+#include "replay/recorder.h"  // records a game's ticks or a world's commands
+#include "replay/recording.h" // a file in memory
+#include "replay/verifier.h"  // re-simulates and compares every tick

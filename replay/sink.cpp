@@ -18,7 +18,7 @@
 namespace lockstone::replay {
 namespace {
 
-/// The system's words for the error of the last call.
+/// The system's text for the error of the last call.
 std::string system_reason() {
     return errno == 0 ? std::string("no reason given") : std::generic_category().message(errno);
 }
@@ -29,7 +29,7 @@ std::string system_reason() {
 
 Result<FileSink> FileSink::create(const std::string& path) {
     errno = 0;
-    // Not truncated yet: it may be somebody's.
+    // Does not truncate yet: another recorder may be writing the file.
     const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     std::FILE* file = descriptor < 0 ? nullptr : ::fdopen(descriptor, "wb");
     if (file == nullptr) {
@@ -94,7 +94,8 @@ Status FileSink::append(std::span<const std::byte> bytes) {
     }
     const Error error{base::join(path, ": cannot write ", bytes.size(), " bytes: ", system_reason())};
 #if LOCKSTONE_HAS_FILE_LOCKS
-    // What is left in the buffer would follow at closing; a failure here leaves a cut file, which can be read as well.
+    // fclose() would write the rest of the buffer, so the file is truncated after it; a failure here leaves a cut
+    // file, which can be read as well.
     const int descriptor = ::dup(::fileno(file.get()));
     file.reset();
     if (descriptor >= 0) {

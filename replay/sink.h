@@ -1,4 +1,4 @@
-// Where a recording goes: a file, a stream or memory. A sink appends bytes and never rewrites them.
+// Destinations of a recording: a file, a stream or memory. A sink appends bytes and never rewrites them.
 #pragma once
 
 #include "lockstone/result.h"
@@ -17,20 +17,20 @@ namespace lockstone::replay {
 class Sink {
   public:
     virtual ~Sink() = default;
-    /// All of the bytes and out of this process's buffers (a crash of the process cannot lose them), or an error that
-    /// names the sink and the reason.
+    /// Writes all bytes, out of this process's buffers (so a crash of the process cannot lose them), or returns an
+    /// error with the name of the sink and the reason.
     virtual Status append(std::span<const std::byte> bytes) = 0;
-    /// After the last append. Errors that the system reports late come here.
+    /// Called after the last append. Returns errors that the system reports late.
     virtual Status close() { return {}; }
 };
 
-/// A file. An existing file is replaced, but not one that another sink is writing, in this process or another: while a
-/// sink has the file, it holds a lock on it. A file that was removed, replaced or changed meanwhile is an error of the next
-/// append. Where the system has no such locks (other than Unix), neither is noticed.
+/// A file. create() replaces an existing file, but not one that another sink is writing, in this process or another:
+/// a sink holds a lock on its file. If the file was removed, replaced or changed in the meantime, the next append
+/// returns an error. On systems without such locks (other than Unix), neither is detected.
 class FileSink final : public Sink {
   public:
     static Result<FileSink> create(const std::string& path);
-    /// On an error the file is cut back to what it held before, so that it ends with a whole chunk.
+    /// On an error the file is cut back to its size before the call, so that it ends with a whole chunk.
     Status append(std::span<const std::byte> bytes) override;
     Status close() override;
 
@@ -39,17 +39,18 @@ class FileSink final : public Sink {
         void operator()(std::FILE* f) const { std::fclose(f); }
     };
     FileSink(std::string where, std::FILE* open) : path(std::move(where)), file(open) {}
-    /// Why the file under the path is not the one that was created, as it was left; empty when it is.
+    /// Checks that the file at the path is the created one, unchanged since the last append. Returns an
+    /// empty text if it is, else the change.
     std::string find_change() const;
     std::string path;
     std::unique_ptr<std::FILE, Close> file;
-    std::uint64_t size = 0; ///< that was written
+    std::uint64_t size = 0; ///< bytes written so far
 };
 
-/// Whether a FileSink of any process has this file open now. False where the system cannot tell.
+/// Returns true if a FileSink of any process has this file open now. False if the system cannot detect that.
 bool is_being_written(const std::string& path);
 
-/// A stream of the caller's, flushed after every append.
+/// A stream of the caller, which must outlive the sink; flushed after every append.
 class StreamSink final : public Sink {
   public:
     StreamSink(std::ostream& to, std::string stream_name) : out(to), name(std::move(stream_name)) {}
@@ -60,7 +61,7 @@ class StreamSink final : public Sink {
     std::string name;
 };
 
-/// Memory; `bytes` is the file.
+/// A sink in memory; `bytes` is the file.
 class MemorySink final : public Sink {
   public:
     std::vector<std::byte> bytes;

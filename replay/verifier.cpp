@@ -9,7 +9,7 @@ namespace {
 using base::hex;
 using base::join;
 
-/// What came of one segment, or of all up to the first that went wrong.
+/// The result of one segment, or of several, up to the first difference.
 struct Outcome {
     std::uint64_t ticks = 0, hashes = 0, keyframes = 0;
     std::optional<std::uint64_t> bad_tick;
@@ -29,7 +29,7 @@ struct Outcome {
     }
 };
 
-/// A recording that starts at tick 0 starts as the game does; or it could begin with a state of anyone's making.
+/// A recording from tick 0 must start like the game; otherwise it could begin with any state.
 void check_start(Player& player, const Game& game, Outcome& outcome) {
     const Result<World> start = game.start();
     ++outcome.hashes;
@@ -66,7 +66,7 @@ void check_keyframe(Player& player, std::size_t keyframe, Outcome& outcome) {
     outcome.diverge(time == player.recording().start_tick() ? time : time - 1, std::move(why));
 }
 
-/// Ticks and the keyframe at the end of segment `k`; the player stands at its start.
+/// Checks the ticks of segment `k` and the keyframe at its end. The player must be at the start of the segment.
 void check_segment(Player& player, std::size_t k, const VerifyOptions& options, Outcome& outcome) {
     const auto keyframes = player.recording().keyframes();
     const bool has_next = k + 1 < keyframes.size();
@@ -82,7 +82,7 @@ std::unique_ptr<Tasks> tasks_of(const VerifyOptions& options) {
     return options.threads > 1 ? make_worker_pool(options.threads) : nullptr;
 }
 
-/// The segments that `next` hands out, on a player of its own.
+/// Takes segments by `next` and checks them, with its own player.
 Outcome run_apart(const Recording& recording, const Game* game, const VerifyOptions& options,
                   std::span<const std::size_t> segments, std::atomic<std::size_t>& next) {
     Outcome all;
@@ -97,7 +97,7 @@ Outcome run_apart(const Recording& recording, const Game* game, const VerifyOpti
     for (std::size_t i = next.fetch_add(1); i < segments.size(); i = next.fetch_add(1)) {
         Outcome outcome;
         const std::size_t k = segments[i];
-        ++outcome.hashes; // of the state that the segment starts from
+        ++outcome.hashes; // the hash of the state from which the segment starts
         if (const Status status = player->seek_keyframe(k); !status)
             outcome.diverge(recording.keyframes()[k].time, status.error().message);
         else
@@ -187,7 +187,7 @@ VerifyReport verify(const Recording& recording, const Game* game, const VerifyOp
         return report;
     }
     player->keep_states(0);
-    // As many jobs as fit into the memory.
+    // As many jobs as fit into the memory limit.
     const std::uint64_t each =
         Player::memory_of(recording, player->world().def(), player->world().schema()) + 1;
     const std::uint64_t fits = (recording.limits().memory - recording.memory()) / each;
@@ -206,7 +206,7 @@ VerifyReport verify(const Recording& recording, const Game* game, const VerifyOp
         if (straight)
             outcome.add(run_straight(*player, options));
         else {
-            player = Error{"each job has one of its own"}; // gives back its memory
+            player = Error{"each job has one of its own"}; // frees its memory; each job has its own player
             outcome.add(run_jobs(recording, game, options, segments));
         }
     }

@@ -13,10 +13,10 @@ namespace {
 using base::ByteWriter;
 using base::join;
 
-/// A block is written early when its ticks are as large as this, so that little is pending.
+/// The writer ends a block early at this size, so that little is pending.
 constexpr std::size_t block_bytes_soft = std::size_t{1} << 20;
 
-/// `image` xor `reference`, which counts as zero beyond its end.
+/// `image` xor `reference`; `reference` counts as zero beyond its end.
 std::vector<std::byte> delta(std::span<const std::byte> image, std::span<const std::byte> reference) {
     std::vector<std::byte> out(image.begin(), image.end());
     for (std::size_t i = 0; i < std::min(image.size(), reference.size()); ++i) out[i] ^= reference[i];
@@ -78,7 +78,7 @@ Status Writer::add_commands(std::span<const Command> commands, std::uint64_t has
     LOCKSTONE_ASSERT(head.mode == Mode::commands, "the recording's mode is ", name_of(head.mode));
     if (!failure.empty()) return Error{failure};
     Status gathered = block.add_commands(commands, hash);
-    if (!gathered && block.ticks() != 0) { // it may fit a block of its own
+    if (!gathered && block.ticks() != 0) { // it may fit into its own block
         if (const Status status = flush(); !status) return status;
         gathered = block.add_commands(commands, hash);
     }

@@ -1,5 +1,5 @@
-// Writes a recording chunk by chunk, never looking back: what was written stays good whatever happens next.
-// Most callers want recorder.h, which fills this in from a game or a world.
+// Writes a recording chunk by chunk, and never changes earlier chunks: a later failure cannot damage them. Most
+// callers use recorder.h, which calls the writer for a game or a world.
 #pragma once
 
 #include "replay/format/block.h"
@@ -9,27 +9,28 @@ namespace lockstone::replay {
 
 struct WriterOptions {
     std::uint32_t block_ticks = block_ticks_default; ///< 1..1024: ticks that a crash may lose
-    /// What a recording of commands is played with: every asset, each after those it names.
+    /// The assets that a recording of commands needs, each after the assets to which it refers.
     std::vector<std::span<const std::byte>> assets = {};
 };
 
 class Writer {
   public:
-    /// Writes the preamble, HEAD, SCHM, WDEF, the assets and the first keyframe. `sink` outlives the writer.
+    /// Writes the preamble, HEAD, SCHM, WDEF, the assets and the first keyframe. `sink` must outlive the writer.
     static Result<Writer> begin(Sink& sink, const Header& header, const GameSchema& schema,
                                 const WorldDef& def, std::uint64_t start_hash,
                                 std::span<const std::byte> start_image, const WriterOptions& options = {});
 
-    // After the first error of the sink nothing is written any more and every call returns that error.
-    /// Tick next_tick(), by its inputs or its commands as the header's mode demands (asserted).
+    // After the first error of the sink nothing more is written, and every call returns that error.
+    /// Adds tick next_tick(): its inputs or its commands, by the header's mode (asserted).
     Status add_inputs(std::span<const PlayerInput> inputs, std::uint64_t hash);
     Status add_commands(std::span<const Command> commands, std::uint64_t hash);
-    /// The portable image of the state at next_tick(). Writes what is pending first. One at the time of the last
-    /// keyframe is left out.
+    /// Writes the portable image of the state at next_tick(), after the pending ticks. Omits it at the time of the
+    /// last keyframe.
     Status add_keyframe(std::span<const std::byte> image);
     /// Writes the pending ticks as a short block.
     Status flush();
-    /// Writes what is pending, the index and the end, and closes the sink. Without it the recording is incomplete.
+    /// Writes the pending ticks, the index and the end, and closes the sink. Without this call the recording is
+    /// incomplete.
     Status close();
     /// The first error, if there was one.
     Status status() const { return failure.empty() ? Status{} : Status(Error{failure}); }

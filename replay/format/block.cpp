@@ -13,9 +13,10 @@ using base::ByteReader;
 using base::join;
 
 constexpr std::byte status_confirmed{0}, status_disconnected{1};
-constexpr std::uint64_t explosion_work = 64; ///< of Limits::commands_per_tick
+constexpr std::uint64_t explosion_work = 64; ///< in the count for Limits::commands_per_tick
 const std::size_t explode_kind = Command(Explode{}).index();
-constexpr std::size_t command_bytes_least = 9; ///< a kind and an id: bounds the number before any is read
+/// A kind and an id; limits the number of commands before any is read.
+constexpr std::size_t command_bytes_least = 9;
 
 } // namespace
 
@@ -172,7 +173,7 @@ void TickBlock::read_commands(ByteReader& in, std::span<const std::byte> unpacke
     if (!tables.ok()) fail(tables.error().message);
 }
 
-/// Commands cost memory and time before the world can refuse them.
+/// Limits the commands of each tick: they cost memory and time before the world can refuse them.
 void TickBlock::check_work(ByteReader& in, const Limits& limits) const {
     for (std::size_t t = 0; t < hashes.size(); ++t) {
         std::uint64_t work = 0;

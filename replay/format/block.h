@@ -1,4 +1,4 @@
-// A block of ticks: gathered and packed by the writer, unpacked by the reader.
+// A block of ticks: the writer collects and packs it, the reader unpacks it.
 #pragma once
 
 #include "base/bytes.h"
@@ -9,28 +9,28 @@
 
 namespace lockstone::replay {
 
-/// What a block's rows look like; stands in the header.
+/// The format of a block's rows, from the header.
 struct BlockShape {
     Mode mode = Mode::inputs;
     std::uint32_t player_count = 0;
     std::uint32_t input_size = 0;
-    /// Bytes of a row of the input table: a status byte and the input, per player.
+    /// Bytes of a row of the input table: for each player a status byte and the input.
     std::size_t input_row_bytes() const { return std::size_t{player_count} * (1 + input_size); }
 };
 
-/// Gathers ticks until they are written as one TICK chunk.
+/// Collects ticks, which are then written as one TICK chunk.
 class BlockBuilder {
   public:
     explicit BlockBuilder(BlockShape block_shape) : shape(block_shape) {}
 
-    /// The players' inputs of the next tick and the hash after it. Refuses predicted inputs and wrong sizes.
+    /// Adds the players' inputs of the next tick, and the hash after it. Fails for predicted inputs and wrong sizes.
     Status add_inputs(std::span<const PlayerInput> inputs, std::uint64_t hash);
-    /// The commands before the next tick and the hash after it.
+    /// Adds the commands before the next tick, and the hash after it.
     Status add_commands(std::span<const Command> commands, std::uint64_t hash);
 
     std::uint32_t ticks() const { return static_cast<std::uint32_t>(hashes.size()); }
     std::size_t unpacked_bytes() const;
-    /// Appends the payload of TICK and starts anew.
+    /// Appends the payload of TICK, and starts a new block.
     void finish(std::uint64_t first_tick, std::vector<std::byte>& out);
 
   private:
@@ -41,25 +41,25 @@ class BlockBuilder {
     std::map<std::size_t, std::vector<std::byte>> field_rows; ///< by kind
 };
 
-/// An unpacked block. Everything was checked when it was read: access cannot fail.
+/// An unpacked block. read() has checked everything, so access cannot fail.
 class TickBlock {
   public:
     TickBlock() = default;
-    /// Reads the payload of TICK up to the end of `in`; errors stay in `in`. Takes at most memory_per_byte for each byte
-    /// that is announced, and no more than `limits` allow.
+    /// Reads the payload of TICK up to the end of `in`; errors stay in `in`. Allocates at most memory_per_byte for
+    /// each byte of the declared unpacked size, and no more than `limits` allow.
     static TickBlock read(base::ByteReader& in, BlockShape shape, const Limits& limits);
     static constexpr std::uint64_t memory_per_byte = 4;
-    /// Where the hashes stand in the payload: behind first tick, count and unpacked size.
+    /// The offset of the hashes in the payload: after first tick, count and unpacked size.
     static constexpr std::uint64_t hashes_offset = 8 + 4 + 8;
 
     std::uint64_t first_tick() const { return first; }
     std::uint64_t end_tick() const { return first + hashes.size(); }
     bool holds(std::uint64_t tick) const { return tick >= first && tick < end_tick(); }
-    /// Of the state after a tick of this block (asserted, here and below).
+    /// The hash of the state after a tick. The tick must belong to this block (asserted, here and below).
     std::uint64_t hash_after(std::uint64_t tick) const;
-    /// The players' inputs of a tick, pointing into this block; empty in commands mode.
+    /// The players' inputs of a tick; the spans point into this block. Empty in commands mode.
     std::vector<PlayerInput> inputs(std::uint64_t tick) const;
-    /// Most that the commands before any tick take [bytes]; 0 in inputs mode.
+    /// The most memory that the commands before any one tick need [bytes]; 0 in inputs mode.
     std::uint64_t commands_memory() const { return most_memory; }
     /// The commands before a tick, in order; empty in inputs mode.
     std::vector<Command> commands(std::uint64_t tick) const;
@@ -74,11 +74,11 @@ class TickBlock {
     void check_work(base::ByteReader& in, const Limits& limits) const;
 
     BlockShape shape;
-    std::uint64_t most_memory = 0; ///< of the commands before any tick
+    std::uint64_t most_memory = 0; ///< that the commands before any one tick need
     std::uint64_t first = 0;
     std::vector<std::uint64_t> hashes;
     std::vector<std::byte> input_rows;
-    std::vector<std::uint32_t> first_command;       ///< by tick, and the end
+    std::vector<std::uint32_t> first_command;       ///< by tick; the last entry is the number of commands
     std::vector<CommandRef> refs;                   ///< in order of application
     std::vector<std::vector<std::byte>> field_rows; ///< by kind
 };

@@ -13,14 +13,14 @@ using base::ByteReader;
 using base::ByteWriter;
 using base::join;
 
-/// Empty, or why this cannot stand as a text: it would spoil a terminal, or is too long.
+/// Returns an empty text, or why the text is not allowed: it is too long, or has characters that control a terminal.
 std::string text_fault(std::string_view what, std::string_view text) {
     if (text.size() > text_bytes_max)
         return join(what, " has ", text.size(), " bytes, at most ", text_bytes_max);
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto c = static_cast<unsigned char>(text[i]);
         if (c < 0x20 || c == 0x7f) return join(what, " holds the control character ", int{c}, " at ", i);
-        // U+0080 to U+009F, which terminals obey as well.
+        // U+0080 to U+009F also control terminals.
         const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
         if (c == 0xc2 && next >= 0x80 && next < 0xa0)
             return join(what, " holds the control character ", int{next}, " at ", i);
@@ -28,7 +28,7 @@ std::string text_fault(std::string_view what, std::string_view text) {
     return {};
 }
 
-/// Ranges of one value are those of what a recording of commands does not have.
+/// A range of a single value belongs to a field that a recording of commands does not use.
 std::string range_fault(std::string_view what, std::uint64_t value, std::uint64_t low, std::uint64_t high) {
     if (value >= low && value <= high) return {};
     if (low == high) return join(what, " is ", value, ", must be ", low, " in a recording of commands");
@@ -148,7 +148,7 @@ std::string leaf_fault(const LeafInfo& leaf, std::uint64_t offset_expected) {
 std::string entry_fault(const GameSchema::Entry& entry) {
     std::string fault = first_of(text_fault("column name", entry.name),
                                  range_fault("column name's length", entry.name.size(), 1, text_bytes_max));
-    if (!fault.empty()) return fault; // the name cannot be shown
+    if (!fault.empty()) return fault; // without the name, which is not printable
     fault = range_fault("row size", entry.row_size, 1, row_bytes_max);
     std::uint64_t end = 0;
     for (std::size_t i = 0; fault.empty() && i < entry.leaves.size(); ++i) {
@@ -273,7 +273,7 @@ std::string first_difference(const WorldDef& left, const WorldDef& right) {
 
 std::vector<std::span<const std::byte>> assets_in_order(const AssetLibrary& library) {
     std::vector<std::span<const std::byte>> out;
-    // Compounds name hulls, so they come after them.
+    // Compounds refer to hulls, so they come after them.
     for (const bool compounds : {false, true})
         for (AssetId id : library.ids())
             if ((library.geometry(id)->kind == ShapeKind::compound) == compounds)
@@ -322,7 +322,7 @@ std::size_t command_bytes(std::size_t kind) {
 }
 
 std::size_t command_memory(std::size_t kind) {
-    constexpr std::size_t allocation = 32; ///< of what an Indirect holds, beside its bytes
+    constexpr std::size_t allocation = 32; ///< of an Indirect's content, in addition to its bytes
     const std::size_t bytes = command_bytes(kind);
     return sizeof(Command) + (bytes > sizeof(Command) ? bytes + allocation : 0);
 }

@@ -10,14 +10,14 @@
 
 namespace lockstone::replay {
 
-/// What the ticks of a recording hold.
+/// The content of the ticks of a recording.
 enum class Mode : std::uint32_t {
     inputs,   ///< the players' inputs; playing needs the game's code
     commands, ///< the commands of the world; playing needs the engine only
 };
 std::string_view name_of(Mode mode);
 
-/// A pair of texts that the recorder's caller wants to find again: a seed, a map, a date.
+/// A pair of texts that the caller of the recorder stores: a seed, a map, a date.
 struct Option {
     std::string key;
     std::string value;
@@ -27,7 +27,7 @@ struct Option {
 /// The HEAD chunk.
 struct Header {
     Mode mode = Mode::inputs;
-    std::string engine; ///< version of the engine that recorded
+    std::string engine; ///< version of the engine that made the recording
     std::string game;
     std::uint64_t content_id = 0;
     std::uint64_t schema_hash = 0; ///< of the state's layout
@@ -43,11 +43,11 @@ struct Header {
 const std::string* find_option(const Header& header, std::string_view key);
 
 inline constexpr std::string_view engine_version =
-    "0.1.0"; ///< as in CMakeLists.txt; a test holds them together
+    "0.1.0"; ///< as in CMakeLists.txt; a test compares the two values and fails if they differ
 inline constexpr std::uint16_t version_major = 6;
 inline constexpr std::uint16_t version_minor = 0;
 
-// ---- limits: a file beyond them is refused, by the writer and by the reader ----
+// ---- limits: writer and reader refuse a file beyond them ----
 inline constexpr std::uint32_t text_bytes_max = 4096;
 inline constexpr std::uint32_t options_max = 64;
 inline constexpr std::uint32_t players_max = 16;
@@ -62,15 +62,16 @@ inline constexpr std::uint64_t block_bytes_max = std::uint64_t{1} << 26; ///< un
 inline constexpr std::uint64_t image_bytes_max = std::uint64_t{1} << 32;
 inline constexpr std::uint64_t file_bytes_max = std::uint64_t{1} << 34;
 
-/// What reading and playing a recording may take, chosen by who reads it; a file that needs more is refused by a sentence.
+/// Limits on the resources to read and play a recording, set by the reader. A file that needs more is refused with a
+/// sentence.
 struct Limits {
     std::uint64_t memory = std::uint64_t{1}
-                           << 30; ///< [bytes], of the recording and all that plays it at one time
-    /// Of recordings of commands. An explosion, which looks at every shape, counts as 64.
+                           << 30; ///< [bytes], of the recording and everything that plays it at the same time
+    /// For recordings of commands. An explosion, which reads every shape, counts as 64.
     std::uint32_t commands_per_tick = 1u << 16;
 };
 
-inline constexpr std::uint32_t block_ticks_default = 64;     ///< one second at 60 Hz: what a crash may lose
+inline constexpr std::uint32_t block_ticks_default = 64;     ///< one second at 60 Hz, which a crash may lose
 inline constexpr std::uint64_t keyframe_ticks_default = 600; ///< ten seconds at 60 Hz
 
 // ---- the frame ----
@@ -93,19 +94,19 @@ inline constexpr std::uint32_t chunk_keyframe = chunk_type("KEYF");
 inline constexpr std::uint32_t chunk_ticks = chunk_type("TICK");
 inline constexpr std::uint32_t chunk_index = chunk_type("INDX");
 inline constexpr std::uint32_t chunk_end = chunk_type("END.");
-/// For error sentences: the four characters, others than printable ones as '?'.
+/// For error sentences: the four characters, with '?' for those that are not printable.
 std::string chunk_name(std::uint32_t type);
 
 /// The first bytes of every file.
 std::array<std::byte, preamble_bytes> preamble();
-/// Seed of the first chunk's checksum.
+/// Seed for the checksum of the first chunk.
 std::uint64_t chain_start(const std::array<std::byte, preamble_bytes>& first_bytes);
 
 /// Entry of the INDX chunk.
 struct IndexEntry {
     std::uint32_t type;
-    std::uint64_t offset; ///< of the chunk from the start of the file
-    std::uint64_t tick;   ///< first tick of TICK, time of KEYF, 0 for others
+    std::uint64_t offset; ///< of the chunk, from the start of the file
+    std::uint64_t tick;   ///< first tick of TICK, time of KEYF, 0 for other types
     friend bool operator==(const IndexEntry&, const IndexEntry&) = default;
 };
 

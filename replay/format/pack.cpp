@@ -45,7 +45,8 @@ void pack(std::span<const std::byte> bytes, std::vector<std::byte>& out) {
 
 namespace {
 
-/// Calls run(byte, count) and literals(bytes) in order, up to the first fault; nothing is handed out beyond `size`.
+/// Calls run(byte, count) and literals(bytes) in order, up to the first fault; never passes on more than `size`
+/// bytes.
 template <class Run, class Literals>
 Status walk(std::span<const std::byte> packed, std::uint64_t size, Run&& run, Literals&& literals) {
     const auto wrong = [&](std::string_view how) {

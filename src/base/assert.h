@@ -1,9 +1,9 @@
-// A programmer's error ends the program with the values that broke the rule:
+// A programmer's error ends the program and prints the values that broke the rule:
 //
 //   LOCKSTONE_ASSERT(rows <= capacity, "rows ", rows, ", capacity ", capacity);
 //
-// On in every build: the checks guard memory, cost a predicted branch, and cannot change a result. Nothing that
-// data from outside can reach may assert; that is what lockstone/result.h is for.
+// On in every build: the checks guard memory, cost a predicted branch, and cannot change a result. No assertion may
+// depend on data from outside; lockstone/result.h is for such errors.
 #pragma once
 
 #include "base/text.h"

@@ -1,7 +1,7 @@
-// Sleeping until a number is another one, for threads that have looked at it in vain for a while.
+// Puts a thread to sleep until a number changes, after the thread has polled the number for a while.
 //
 //   number.store(7), bell.ring_all(number);          // first the number, then the bell
-//   bell.wait(number, seen);                         // comes back at once where it is not `seen` any more
+//   bell.wait(number, seen);                         // returns at once if the number is not `seen` any more
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@
 
 namespace lockstone::base {
 
-/// What the system offers.
+/// The wait of the standard library.
 class SystemBell {
   public:
     void wait(const std::atomic<std::uint32_t>& number, std::uint32_t seen) {
@@ -22,8 +22,8 @@ class SystemBell {
     void ring_all(std::atomic<std::uint32_t>& number) { number.notify_all(); }
 };
 
-/// With a lock of its own. Who rings has changed the number and then takes the lock, so whoever compared it before is asleep
-/// by then, and is woken.
+/// A condition variable with its own lock. ring_one() and ring_all() take the lock after the number has changed. So a
+/// thread that compared the old number before is already waiting, and is woken.
 class LockedBell {
   public:
     void wait(const std::atomic<std::uint32_t>& number, std::uint32_t seen) {
@@ -44,8 +44,8 @@ class LockedBell {
     std::condition_variable rung;
 };
 
-// Where libstdc++ has no futex, as on Windows, that of GCC 12 compares before it locks: a wake-up in between is lost, and the
-// thread sleeps for ever.
+// Without a futex, as on Windows, libstdc++ of GCC 12 compares the number before it locks: a wake-up between the two
+// is lost, and the thread sleeps for ever.
 #if defined(__GLIBCXX__) && !defined(_GLIBCXX_HAVE_PLATFORM_WAIT)
 using Bell = LockedBell;
 #else

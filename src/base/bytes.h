@@ -1,12 +1,12 @@
-// Little-endian bytes, in and out: the one way that files and packets are written and read.
+// Reads and writes little-endian bytes; all files and packets use it.
 //
 //   ByteReader in(packet, "input packet");
 //   const std::uint32_t tick = in.u32("tick");
 //   const auto inputs = in.bytes(in.u16("input length"), "inputs");
 //   if (!in.ok()) return in.error();      // "input packet: inputs needs 40 bytes, only 12 remain (at byte 6)"
 //
-// A read past the end never asserts: it yields zeros (or an empty span) and the reader keeps the first error, so a
-// whole header is read first and checked once, before any value is used.
+// A read past the end never asserts: it returns zeros (or an empty span), and the reader keeps the first error. So
+// the caller reads a whole header, then checks once before it uses any value.
 #pragma once
 
 #include "base/text.h"
@@ -34,7 +34,7 @@ template <std::unsigned_integral N> constexpr N load_little_endian(const std::by
     return static_cast<N>(value);
 }
 
-/// Appends to a vector that the caller owns.
+/// Appends to a vector, which the caller owns and which must outlive the writer.
 class ByteWriter {
   public:
     explicit ByteWriter(std::vector<std::byte>& to) : out(to) {}
@@ -46,12 +46,12 @@ class ByteWriter {
     void i32(std::int32_t v) { append(static_cast<std::uint32_t>(v)); }
     void i64(std::int64_t v) { append(static_cast<std::uint64_t>(v)); }
     void bytes(std::span<const std::byte> v) {
-        // Not insert(): g++ 12 warns of an overflow inside it that cannot happen.
+        // Not insert(): g++ 12 warns of an overflow in it that cannot happen.
         const std::size_t at = out.size();
         out.resize(at + v.size());
         if (!v.empty()) std::memcpy(out.data() + at, v.data(), v.size());
     }
-    /// Seven bits a byte, the lowest first; the high bit says that another byte follows (LEB128).
+    /// LEB128: seven bits per byte, the lowest first; the high bit is set if another byte follows.
     void varint(std::uint64_t v) {
         for (; v >= 0x80; v >>= 7) u8(static_cast<std::uint8_t>(v | 0x80));
         u8(static_cast<std::uint8_t>(v));
@@ -61,7 +61,7 @@ class ByteWriter {
         u32(static_cast<std::uint32_t>(v.size()));
         bytes(std::as_bytes(std::span(v.data(), v.size())));
     }
-    /// Bytes in the vector, what stood there before included.
+    /// Bytes in the vector, including those from before the writer.
     std::size_t size() const { return out.size(); }
     /// Overwrites a u64 written earlier, for sizes that are known only at the end.
     void patch_u64(std::size_t offset, std::uint64_t v) { store_little_endian(v, out.data() + offset); }
@@ -75,7 +75,7 @@ class ByteWriter {
     std::vector<std::byte>& out;
 };
 
-/// Reads bytes that it does not trust and does not own. `subject` and every `what` stand in the error sentence.
+/// Reads untrusted bytes, which it does not own. The error sentence contains `subject` and `what`.
 class ByteReader {
   public:
     ByteReader(std::span<const std::byte> from, std::string_view subject) : data(from), name(subject) {}
@@ -86,7 +86,7 @@ class ByteReader {
     std::uint64_t u64(std::string_view what) { return take<std::uint64_t>(what); }
     std::int32_t i32(std::string_view what) { return static_cast<std::int32_t>(take<std::uint32_t>(what)); }
     std::int64_t i64(std::string_view what) { return static_cast<std::int64_t>(take<std::uint64_t>(what)); }
-    /// What ByteWriter::varint wrote; refuses what does not fit into 64 bits.
+    /// Reads a number that ByteWriter::varint wrote; fails if the number does not fit into 64 bits.
     std::uint64_t varint(std::string_view what) {
         std::uint64_t value = 0;
         for (unsigned shift = 0;; shift += 7) {
@@ -101,7 +101,7 @@ class ByteReader {
             if (byte < 0x80) return value;
         }
     }
-    /// A view of the next `size` bytes; empty when fewer remain. Any size is safe to ask for.
+    /// A view of the next `size` bytes; empty if fewer remain. Any size is safe.
     std::span<const std::byte> bytes(std::uint64_t size, std::string_view what) {
         if (failed) return {};
         if (size > remaining()) {
@@ -112,7 +112,7 @@ class ByteReader {
         position += view.size();
         return view;
     }
-    /// What ByteWriter::text wrote; a view into the bytes.
+    /// Reads a text that ByteWriter::text wrote. Returns a view into the bytes.
     std::string_view text(std::string_view what) {
         const auto view = bytes(u32(what), what);
         return {reinterpret_cast<const char*>(view.data()), view.size()};
@@ -120,11 +120,11 @@ class ByteReader {
 
     std::size_t offset() const { return position; }
     std::size_t remaining() const { return failed ? 0 : data.size() - position; }
-    /// Refuses bytes that nobody asked for.
+    /// Fails if bytes remain.
     void expect_end() {
         if (remaining() != 0) fail(join("ends here, but ", remaining(), " bytes follow"));
     }
-    /// Records "<subject>: <sentence> (at byte <offset>)" unless an error stands already.
+    /// Records "<subject>: <sentence> (at byte <offset>)" unless there is an error already.
     void fail(std::string_view sentence) { fail_at(position, sentence); }
     void fail_at(std::size_t at, std::string_view sentence) {
         if (failed) return;
@@ -133,7 +133,7 @@ class ByteReader {
     }
 
     bool ok() const { return !failed; }
-    /// The first error; ask only when !ok().
+    /// The first error; valid only if !ok().
     Error error() const { return {message}; }
 
   private:

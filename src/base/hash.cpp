@@ -2,7 +2,7 @@
 
 #include "base/bytes.h"
 
-// Header-only use: no library to link, so the core cross-compiles wherever the header is found.
+// Header-only use: there is no library to link, so the core cross-compiles on every system that has the header.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -28,7 +28,7 @@ std::uint64_t xxh3(std::string_view text, std::uint64_t seed) {
     return xxh3(std::as_bytes(std::span(text.data(), text.size())), seed);
 }
 
-// storage is filled by the reset; zeroing all of it first would cost more than hashing a small column.
+// The reset fills `storage`; zeroing all of it first would cost more than hashing a small column.
 HashStream::HashStream(std::uint64_t seed) {
     XXH3_state_t* state = new (storage) XXH3_state_t;
     XXH3_INITSTATE(state);

@@ -11,8 +11,8 @@ namespace lockstone::base {
 std::uint64_t xxh3(std::span<const std::byte> bytes, std::uint64_t seed = 0);
 std::uint64_t xxh3(std::string_view text, std::uint64_t seed = 0);
 
-/// The same hash over bytes that arrive in pieces: the digest equals xxh3 of their concatenation.
-/// Lives on the stack, never allocates. Integers are hashed as little-endian bytes.
+/// Hashes bytes that arrive in pieces: the digest equals xxh3 of their concatenation. Lives on the stack and never
+/// allocates. Integers are hashed as little-endian bytes.
 class HashStream {
   public:
     HashStream() : HashStream(0) {}
@@ -24,7 +24,7 @@ class HashStream {
     std::uint64_t digest() const;
 
   private:
-    alignas(64) std::byte storage[640]; ///< an XXH3_state_t; its size is checked in hash.cpp
+    alignas(64) std::byte storage[640]; ///< an XXH3_state_t; hash.cpp checks its size
 };
 
 } // namespace lockstone::base

@@ -1,5 +1,5 @@
-// Sets of numbers that are joined two at a time. A list has a parent for each number; who is its own parent is the root of a set, and is the least
-// number in it.
+// Disjoint sets of numbers (union-find). A list holds the parent of each number. A number that is its own parent is
+// the root of a set, and the root is the least number of its set.
 // source: Tarjan, van Leeuwen, Worst-case analysis of set union algorithms (1984): path halving
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace lockstone::base {
 
-/// As many sets of one number each.
+/// Makes `count` sets of one number each.
 inline void start_sets(std::vector<std::uint32_t>& parent, std::size_t count) {
     parent.resize(count);
     std::iota(parent.begin(), parent.end(), 0u);

@@ -1,4 +1,4 @@
-// A lock; where there are no threads (LOCKSTONE_NO_THREADS), nothing.
+// A lock; empty in builds without threads (LOCKSTONE_NO_THREADS).
 #pragma once
 
 #if !defined(LOCKSTONE_NO_THREADS)
@@ -16,7 +16,7 @@ struct Lock {
 using Lock = std::mutex;
 #endif
 
-/// Locked while it lives.
+/// Holds the lock during its lifetime.
 class Holds {
   public:
     explicit Holds(Lock& lock) : held(lock) { held.lock(); }

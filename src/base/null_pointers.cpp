@@ -1,16 +1,17 @@
 // Refuses a build by g++ without -fno-delete-null-pointer-checks.
 //
-// g++ 12 counts the addresses of some loops from zero. It takes their writes for writes through a null pointer and leaves out calls of functions that write
-// nothing else: a library built with -Os alone gives other hashes. The loops are ordinary ones, so the sources cannot avoid it; the flag does.
+// g++ 12 counts the addresses of some loops from zero. It takes the writes of such a loop for writes through a null
+// pointer, and removes calls of functions that write nothing else. A library built with -Os alone then gives other
+// hashes. The loops are ordinary ones, so the sources cannot avoid this; the flag does.
 #if defined(__GNUC__) && !defined(__clang__)
 
 namespace lockstone::base {
 namespace {
 
-extern const char elsewhere; ///< without a definition: nothing reads it
+extern const char elsewhere; ///< has no definition, as no code reads it
 template <bool> struct Constant;
 
-/// True where the compiler assumes that the address of an object of another file is not null.
+/// True if the compiler assumes that the address of an object of another file is not null.
 template <const char& object>
 concept HasAddress = requires {
     sizeof(Constant<(&object != nullptr)>*);

@@ -1,4 +1,4 @@
-// Loops whose chunks may run at once.
+// Loops whose chunks may run in parallel.
 #pragma once
 
 #include "lockstone/tasks.h"
@@ -8,8 +8,9 @@
 
 namespace lockstone::base {
 
-/// body(first, last, worker) for [0, chunk), [chunk, 2 chunk) ... up to `count`, by `tasks`; null: here, in order. No chunk may
-/// write what another reads or writes: then the result is that of any order. Chunks depend on `count` alone.
+/// Calls body(first, last, worker) for [0, chunk), [chunk, 2 chunk) ... up to `count`, by `tasks`, or if `tasks` is
+/// null, in order on this thread. No chunk may write data that another chunk reads or writes; then the result does
+/// not depend on the order. Chunks depend on `count` and `chunk` alone.
 template <class Body> void for_chunks(Tasks* tasks, std::uint32_t count, std::uint32_t chunk, Body&& body) {
     const std::uint32_t chunks = count / chunk + (count % chunk != 0 ? 1u : 0u);
     const auto run = [&](std::uint32_t index, std::uint32_t worker) {
@@ -26,8 +27,8 @@ template <class Body> void for_chunks(Tasks* tasks, std::uint32_t count, std::ui
     tasks->run(chunks, item, const_cast<void*>(static_cast<const void*>(&run)));
 }
 
-/// The same, for what has to be done whatever the tasks of a host do: where they leave a chunk out, all of them are done again, here. So no
-/// chunk may read what it writes.
+/// Like for_chunks(), for work that has to be complete even if the host's Tasks skip items: if a chunk was skipped,
+/// all chunks run again on this thread. So a chunk must not read data that it writes.
 template <class Body>
 void for_all_chunks(Tasks* tasks, std::uint32_t count, std::uint32_t chunk, Body&& body) {
     std::atomic<std::uint32_t> done = 0;
@@ -38,14 +39,15 @@ void for_all_chunks(Tasks* tasks, std::uint32_t count, std::uint32_t chunk, Body
     if (done.load(std::memory_order_relaxed) != count) for_chunks(nullptr, count, chunk, body);
 }
 
-/// True where for_chunks() gives chunks to workers.
+/// Returns true if for_chunks() gives chunks to workers.
 inline bool is_shared(const Tasks* tasks, std::uint32_t count, std::uint32_t chunk) {
     return tasks != nullptr && count > chunk;
 }
 
 inline std::uint32_t worker_count(const Tasks* tasks) { return tasks == nullptr ? 1 : tasks->worker_count(); }
 
-/// Adds what a chunk counted to a sum that all chunks share: whole numbers, so the order is not seen.
+/// Adds the count of a chunk to a sum that all chunks share. Integer addition, so the order does not change the
+/// result.
 inline void add_count(std::uint64_t& sum, std::uint64_t count) {
     if (count != 0) std::atomic_ref(sum).fetch_add(count, std::memory_order_relaxed);
 }

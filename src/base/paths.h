@@ -1,8 +1,9 @@
 // The execution paths that a tick took, for tests.
 //
-// A tick chooses between paths by sizes, workers, lanes and caches: one strand or several, packs that are kept or packs that are made. All paths give the same
-// bits, so no hash shows which path ran. Each place that chooses adds the name of its path to a set. Tests read the set, and so they know which paths
-// their worlds reach. The set is no part of the state, and no result depends on it.
+// A tick chooses between paths by sizes, workers, lanes and caches: one strand or several, kept packs or new packs.
+// All paths give equal bits, so no hash shows which path ran. Each place that chooses adds the name of its path to a
+// set, and tests read the set to check which paths their worlds reach. The set is not part of the state, and no
+// result depends on it.
 // Long: a line for each choice.
 #pragma once
 
@@ -14,7 +15,7 @@
 #include <string_view>
 
 // clang-format off
-/// X(name) for each path: the two sides of a choice stand on one line, and so do the sides of a choice between three.
+/// X(name) for each path. The alternatives of one choice are on one line.
 #define LOCKSTONE_PATHS(X)                                                                                   \
     /* the whole tick */                                                                                     \
     X(one_worker) X(many_workers)                                                                            \
@@ -100,7 +101,7 @@ namespace lockstone::base {
 enum class Path : std::uint8_t { LOCKSTONE_PATHS(LOCKSTONE_PATH) };
 #undef LOCKSTONE_PATH
 
-/// By Path.
+/// Names of the paths, indexed by Path.
 #define LOCKSTONE_PATH(name) #name,
 inline constexpr std::string_view path_names[] = {LOCKSTONE_PATHS(LOCKSTONE_PATH)};
 #undef LOCKSTONE_PATH
@@ -116,7 +117,7 @@ class Paths {
         const std::atomic_ref<std::uint64_t> word(words[number / 64]);
         if ((word.load(std::memory_order_relaxed) & bit) == 0) word.fetch_or(bit, std::memory_order_relaxed);
     }
-    /// The second path where `is_second` is true, the first path elsewhere.
+    /// Adds `second` if `is_second` is true, else `first`.
     void take(bool is_second, Path first, Path second) const { take(is_second ? second : first); }
     bool has(Path path) const {
         const auto number = static_cast<std::size_t>(path);
@@ -128,7 +129,7 @@ class Paths {
     void clear() { words = {}; }
 
   private:
-    /// A note and no result: a function that changes nothing else takes paths too.
+    /// Mutable, because functions that change no state of their own record paths too. No result depends on it.
     mutable std::array<std::uint64_t, (path_count + 63) / 64> words{};
 };
 

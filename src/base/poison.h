@@ -1,4 +1,5 @@
-// Scratch memory is filled with a byte before it is used again: what reads before it writes then shows.
+// Overwrites scratch memory with a byte before it is used again. Code that reads the memory before writing it then
+// gives other results.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@ template <class T> void poison_one(std::byte with, T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     std::memset(static_cast<void*>(&value), std::to_integer<int>(with), sizeof value);
 }
-/// The elements; how many there are stays.
+/// Overwrites the elements; the size stays.
 template <class T> void poison_one(std::byte with, std::vector<T>& values) {
     static_assert(std::is_trivially_copyable_v<T>);
     if (!values.empty())

@@ -1,4 +1,4 @@
-// Bytes that are wanted soon.
+// Prefetches bytes that will be read soon.
 #pragma once
 
 #include "lockstone/compiler.h"
@@ -7,12 +7,12 @@
 
 namespace lockstone::base {
 
-/// Asks for the cache lines of an object that will be read; no more than a hint.
+/// Prefetches the cache lines of an object. A hint only; it changes no result.
 template <class T> inline void prefetch(const T& object) {
 #if LOCKSTONE_GNU
     const auto* bytes = reinterpret_cast<const std::byte*>(&object);
     for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
-    asm volatile(""); // g++ takes calls away of functions that do nothing but ask
+    asm volatile(""); // g++ removes calls of functions that only prefetch
 #else
     static_cast<void>(object);
 #endif

@@ -1,4 +1,4 @@
-// A look in vain by a thread that waits for another one.
+// One step of a polling loop of a thread that waits for another thread.
 #pragma once
 
 #include "lockstone/compiler.h"
@@ -12,8 +12,9 @@
 
 namespace lockstone::base {
 
-/// Gives the processor's other thread a chance; after very many looks, other threads of the system. Linux 6.18 makes a thread that often gives
-/// its processor away wait until it has had less than all others.
+/// Yields to the other hardware thread of the core and, after every 4096 polls, to other threads of the system. Not
+/// more often: the scheduler of Linux 6.18 makes a thread that yields often wait until it has had less time than all
+/// others.
 inline void relax(int looks) {
 #if !defined(LOCKSTONE_NO_THREADS)
     if (looks > 0 && looks % 4096 == 0) return std::this_thread::yield();

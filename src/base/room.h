@@ -1,4 +1,4 @@
-// Room for lists that are filled anew in every tick.
+// Capacity of lists that are refilled in every tick.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace lockstone::base {
 
-/// For how many there is room where `count` were too many for what there was: an eighth more, so that a heap that grows seldom
-/// allocates.
+/// The capacity for `count` elements when the present one is too small: an eighth more, so that a list that grows
+/// slowly seldom allocates.
 constexpr std::size_t room_for(std::size_t count) { return count + count / 8 + 64; }
 template <class T> void make_room(std::vector<T>& list, std::size_t count) {
     if (list.capacity() < count) list.reserve(room_for(count));

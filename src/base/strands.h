@@ -1,8 +1,10 @@
-// Work cut into strands, which workers do side by side: the pieces of a strand follow one another, and some of them wait for pieces of other strands.
+// Work split into strands, which workers run in parallel. The pieces of a strand run in order; a piece may depend on
+// pieces of other strands.
 //
-// A barrier after every step would cost about as much as many steps of a solver take. Here a worker looks at how far another strand has got only where a
-// piece needs it, so who is ahead goes on. A strand that is waited for in vain, as nobody has begun it, is done by who waits: so all is done whatever
-// the tasks of a host do, one item after the other, in any order, twice, or some of them never.
+// A barrier after every step would cost about as much as many steps of a solver. Here a worker checks the progress of
+// another strand only where a piece depends on it, so a worker that is ahead goes on. If no worker has begun a strand
+// on which another one depends, the worker that needs it takes it over. So all work is done however the host's Tasks
+// call the items: in sequence, in any order, twice, or some of them never.
 #pragma once
 
 #include "base/relax.h"
@@ -17,19 +19,20 @@ namespace lockstone::base {
 
 inline constexpr std::uint32_t strands_max = 64;
 
-/// Before a piece come so many pieces of another strand, of its own round or of the one before.
+/// A dependency of a piece: the first `pieces` pieces of another strand must be done, in the same round or, with
+/// of_last_round, in the round before.
 struct PieceWait {
     std::uint32_t strand, pieces;
     bool of_last_round;
 };
-/// Items [first, last) of a strand, of which each round does all.
+/// Items [first, last) of a strand. Each round runs all pieces.
 struct Piece {
     std::uint32_t first = 0, last = 0;
-    std::uint32_t first_wait = 0, last_wait = 0; ///< of StrandPlan::waits
-    std::uint32_t order = 0;                     ///< of a round: above that of all pieces that come before it
+    std::uint32_t first_wait = 0, last_wait = 0; ///< range in StrandPlan::waits
+    std::uint32_t order = 0; ///< within a round: above the order of all pieces on which it depends
 };
 
-/// Pieces by strand. There is an order in which one worker could do all of them.
+/// Pieces by strand. Their dependencies have no cycle, so a single worker can run all of them.
 struct StrandPlan {
     std::uint32_t strands = 0;
     std::vector<Piece> pieces[strands_max];
@@ -45,10 +48,10 @@ struct StrandPlan {
     }
 };
 
-/// Where a worker is in a plan.
+/// The position of a worker in a plan.
 struct PieceAt {
     std::uint32_t strand, index, round;
-    std::uint32_t worker = 0; ///< of Tasks
+    std::uint32_t worker = 0; ///< index of the worker in Tasks
 };
 
 template <class Visit> class StrandRun {
@@ -66,31 +69,33 @@ template <class Visit> class StrandRun {
                     static_cast<StrandRun*>(self)->work(own, worker);
                 },
                 this);
-        // What nobody has begun:
+        // Runs the strands that no worker has begun:
         Worker w(plan.strands, 0);
         for (std::uint32_t k = 0; k < plan.strands; ++k) take(w, k);
         finish(w);
     }
 
   private:
-    /// What all look at of a strand. On a cache line of its own: one worker writes it.
+    /// The progress of a strand, which all workers read. On its own cache line, because one worker writes it.
     struct Strand {
-        alignas(64) std::atomic<std::uint32_t> done = 0; ///< pieces, of all rounds
+        alignas(64) std::atomic<std::uint32_t> done = 0; ///< pieces done, over all rounds
         std::atomic<bool> is_taken = false;
     };
-    /// One at work, with the strands that it has taken. There is room for strands_max of them; those of the plan are made.
+    /// A worker, with the strands that it has taken. There is room for strands_max strands; only those of the plan
+    /// are initialised.
     struct Worker {
-        std::uint32_t number; ///< of Tasks
+        std::uint32_t number; ///< index of the worker in Tasks
         int patience = looks_max;
         bool has[strands_max];
-        std::uint32_t done[strands_max];                      ///< pieces of each strand, as far as it knows
-        std::uint32_t index[strands_max], round[strands_max]; ///< of the next piece of each that it has
+        std::uint32_t done[strands_max];                      ///< pieces of each strand that it has seen done
+        std::uint32_t index[strands_max], round[strands_max]; ///< next piece of each strand that it has taken
 
         Worker(std::uint32_t strands, std::uint32_t of_tasks) : number(of_tasks) {
             for (std::uint32_t k = 0; k < strands; ++k) has[k] = false, done[k] = index[k] = round[k] = 0;
         }
     };
-    static constexpr int looks_max = 300; ///< then a strand that nobody has begun is taken over: 3 to 10 us
+    /// Polls before a worker takes over a strand that no worker has begun: a few microseconds.
+    static constexpr int looks_max = 300;
 
     std::uint32_t all_of(std::uint32_t k) const { return rounds * plan.count(k); }
     bool take(Worker& w, std::uint32_t k) {
@@ -101,13 +106,14 @@ template <class Visit> class StrandRun {
         Worker w(plan.strands, number);
         if (take(w, own)) finish(w);
     }
-    /// All strands that it has taken, and takes meanwhile. Of all that nobody has done the first piece in order waits for nothing, and whoever has
-    /// its strand does it next: so all goes on.
+    /// Runs all strands that the worker has taken, and those that it takes meanwhile. There is no deadlock: of all
+    /// pieces that are not done, the first in order depends on none of the others, and the worker that has its strand
+    /// runs it next.
     void finish(Worker& w) {
         for (std::uint32_t k; (k = first_of(w)) != strands_max;)
             if (is_free(w, k)) do_next(w, k);
     }
-    /// Of the strands that a worker has, the one whose next piece is the first in order; strands_max: all are done.
+    /// Returns, of the strands of a worker, the one whose next piece is first in order; strands_max if all are done.
     std::uint32_t first_of(const Worker& w) const {
         std::uint32_t first = strands_max;
         std::uint64_t least = UINT64_MAX;
@@ -118,14 +124,16 @@ template <class Visit> class StrandRun {
         }
         return first;
     }
-    /// Waits for what comes before the next piece of a strand. False: it has taken another strand meanwhile, which may come first.
+    /// Waits for the dependencies of a strand's next piece. Returns false if it has taken another strand meanwhile,
+    /// whose piece may come first.
     bool is_free(Worker& w, std::uint32_t k) {
         const Piece& piece = plan.pieces[k][w.index[k]];
         for (std::uint32_t i = piece.first_wait; i < piece.last_wait; ++i)
             if (!wait(w, plan.waits[i].strand, pieces_before(w, k, plan.waits[i]))) return false;
         return true;
     }
-    /// So many pieces of another strand, of all rounds, come before the next piece of a strand; 0: none.
+    /// Returns how many pieces of another strand, over all rounds, must be done before the next piece of a strand; 0:
+    /// none.
     std::uint32_t pieces_before(const Worker& w, std::uint32_t k, const PieceWait& wait) const {
         if (wait.of_last_round && w.round[k] == 0) return 0;
         const std::uint32_t rounds_before = w.round[k] - (wait.of_last_round ? 1u : 0u);
@@ -136,13 +144,13 @@ template <class Visit> class StrandRun {
         if (++w.index[k] == plan.count(k)) w.index[k] = 0, ++w.round[k];
         strand[k].done.store(++w.done[k], std::memory_order_release);
     }
-    /// Until so many pieces of a strand are done. False: it has taken that strand.
+    /// Waits until `pieces` pieces of a strand are done. Returns false if it has taken over that strand.
     bool wait(Worker& w, std::uint32_t k, std::uint32_t pieces) {
         for (int looks = 0; w.done[k] < pieces; ++looks) {
             w.done[k] = strand[k].done.load(std::memory_order_acquire);
             if (w.done[k] >= pieces) return true;
             if (looks >= w.patience && take(w, k)) {
-                w.patience = 0; // its worker is not there: nor may others be
+                w.patience = 0; // its worker is not running; others may not run either
                 return false;
             }
             relax(looks);
@@ -153,12 +161,13 @@ template <class Visit> class StrandRun {
     const StrandPlan& plan;
     const std::uint32_t rounds;
     const Visit& visit;
-    union { // a run of few strands takes a microsecond: the others are not made
+    union { // a union, so that only the strands in use are constructed: a run of few strands takes a microsecond
         Strand strand[strands_max];
     };
 };
 
-/// visit(piece, PieceAt) for all pieces of a plan, round after round, those of different strands at the same time. Without tasks: in order.
+/// Calls visit(piece, PieceAt) for all pieces of a plan, round after round; pieces of different strands may run at
+/// the same time. Without tasks, all run in order on this thread.
 template <class Visit>
 void for_strands(Tasks* tasks, const StrandPlan& plan, std::uint32_t rounds, const Visit& visit) {
     StrandRun<Visit>(plan, rounds, visit).run(tasks);

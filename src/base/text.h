@@ -1,4 +1,4 @@
-// Sentences from pieces: join("row ", 7, " of ", name). For errors, assertions and dumps; never on a hot path.
+// Builds sentences from pieces: join("row ", 7, " of ", name). For errors, assertions and dumps; never on a hot path.
 #pragma once
 
 #include <concepts>

@@ -1,6 +1,6 @@
-// Two jobs at once, each by one worker; who has no job helps with the loops of both.
+// Runs two jobs at the same time, each on one worker. Workers without a job help with the loops of both.
 //
-// A job has parts that cannot be shared, and what two workers do at once of two jobs they would else do one after the other.
+// A job has serial parts; those of two jobs run in parallel on two workers instead of in sequence.
 #pragma once
 
 #include "base/relax.h"
@@ -12,7 +12,7 @@
 
 namespace lockstone::base {
 
-/// The tasks of a job: its worker puts up loops here, and does what helpers leave of them.
+/// The Tasks of a job: the worker of the job starts loops here, and runs the items that helpers leave.
 class JobTasks final : public Tasks {
   public:
     explicit JobTasks(std::uint32_t count) : workers(count) {}
@@ -24,14 +24,14 @@ class JobTasks final : public Tasks {
         help(worker);
         for (int looks = 0; pending.load(std::memory_order_acquire) != 0; ++looks) relax(looks);
     }
-    /// Does items of the loop that is up, if any is left. Whether it did.
+    /// Runs items of the current loop, if any is left. Returns true if it ran one.
     bool help(std::uint32_t by) {
         const std::uint32_t done = loop.take_items(by);
         if (done != 0) pending.fetch_sub(done, std::memory_order_release);
         return done != 0;
     }
 
-    std::uint32_t worker = 0; ///< that has the job
+    std::uint32_t worker = 0; ///< the worker that runs the job
 
   private:
     std::uint32_t workers;
@@ -53,17 +53,17 @@ template <class First, class Second> class TwoJobs {
                 static_cast<TwoJobs*>(self)->work(index % 2, worker);
             },
             this);
-        begin(0, 0), begin(1, 0); // what nobody has begun
+        begin(0, 0), begin(1, 0); // a job that no worker has begun
     }
 
   private:
     void work(std::uint32_t job, std::uint32_t worker) {
         begin(job, worker), begin(1 - job, worker);
-        for (const std::uint32_t k : {job, 1 - job}) // somebody has begun both
+        for (const std::uint32_t k : {job, 1 - job}) // a worker has begun each of them
             for (int looks = 0; !is_done[k].load(std::memory_order_acquire); ++looks)
                 if (!own[k].help(worker)) relax(looks);
     }
-    /// Does all of a job, unless somebody has begun it.
+    /// Runs a job, unless a worker has begun it.
     void begin(std::uint32_t job, std::uint32_t worker) {
         if (is_taken[job].exchange(true, std::memory_order_relaxed)) return;
         own[job].worker = worker;
@@ -78,8 +78,8 @@ template <class First, class Second> class TwoJobs {
     std::atomic<bool> is_taken[2] = {}, is_done[2] = {};
 };
 
-/// first(tasks) and second(tasks), which look at nothing that the other one writes, at the same time; and all of both, whatever the tasks
-/// of a host do.
+/// Runs first(tasks) and second(tasks) at the same time; neither reads data that the other writes. Both are
+/// complete at return, however the host's Tasks call the items.
 template <class First, class Second> void run_both(Tasks& tasks, const First& first, const Second& second) {
     TwoJobs(tasks, first, second).run();
 }

@@ -1,4 +1,5 @@
-// The pool of make_worker_pool. Workers take items one by one from a ticket; nobody takes part who is not awake.
+// The pool of make_worker_pool. Workers take items one by one from a ticket. A run does not wait for a worker that
+// sleeps.
 #include "lockstone/tasks.h"
 
 #include "base/assert.h"
@@ -15,8 +16,8 @@ namespace lockstone {
 
 namespace {
 
-/// How often a worker looks before it sleeps: 40 to 200 us, longer than what a tick does by one thread alone. Who sleeps takes 5 to 50 us
-/// to be woken, and a tick has a hundred runs.
+/// How often a worker polls before it sleeps. Long enough to outlast the serial parts of a tick: a tick has a hundred
+/// runs, and waking a thread would delay each of them.
 constexpr int looks_max = 4000;
 
 class WorkerPool final : public Tasks {
@@ -26,9 +27,10 @@ class WorkerPool final : public Tasks {
 #if defined(__cpp_exceptions)
         try {
             start(workers);
-        } catch (const std::system_error&) {} // those that there are will do
+        } catch (const std::system_error&) {} // the pool works with the threads that were created
 #else
-        start(workers); // the standard library ends the program where the system has no more threads
+        // Without exceptions, the standard library ends the program if the system has no more threads.
+        start(workers);
 #endif
     }
     ~WorkerPool() override {
@@ -60,8 +62,9 @@ class WorkerPool final : public Tasks {
             threads.emplace_back([this, worker] { serve(worker); });
     }
 
-    /// Each worker has a share of the items, a loop of its own: shares that follow one another stay in its cache from run to run. Who has done
-    /// its share helps others.
+    /// Each worker has its own share of the items, as a loop of its own. From run to run a worker gets the same part
+    /// of the range, so the data of that part stays in its cache. A worker that has finished its share helps with the
+    /// other shares.
     using Share = base::SharedLoop;
 
     void publish(std::uint32_t items, Item item, void* context) {
@@ -76,7 +79,8 @@ class WorkerPool final : public Tasks {
             first = end;
             if (worker != 0) ++helpers;
         }
-        // Who is about to sleep may be missed: the rest take all items, and the next run wakes it.
+        // A worker that is about to sleep may miss this run. The other workers then run all items, and the next run
+        // wakes it.
         if (helpers != 0 && sleepers.load(std::memory_order_relaxed) != 0) wake_workers();
     }
     void wake_workers() {
@@ -84,7 +88,7 @@ class WorkerPool final : public Tasks {
         work_bell.ring_all(calls);
     }
 
-    /// Those of a worker's own share first, and it says so before it looks at others: that takes a while.
+    /// Takes the items of a worker's own share first. Reports them before it tries other shares, which takes a while.
     void take_items(std::uint32_t worker) {
         const std::uint32_t workers = worker_count();
         for (std::uint32_t k = 0; k < workers; ++k) {
@@ -111,16 +115,16 @@ class WorkerPool final : public Tasks {
                 continue;
             }
             const std::uint32_t seen = reports.load(std::memory_order_acquire);
-            caller_sleeps.store(
-                true, std::memory_order_seq_cst); // who reports later than it is looked at sees this
+            // A worker that reports after is_done() below has read its count sees this.
+            caller_sleeps.store(true, std::memory_order_seq_cst);
             if (!is_done()) done_bell.wait(reports, seen);
             caller_sleeps.store(false, std::memory_order_relaxed);
         }
     }
 
     void serve(std::uint32_t worker) {
-        constexpr int looks_at_once = 64; // at its own share, before it looks whether the pool stops
-        std::uint64_t last = 0;           // the latest run of which it has seen its share
+        constexpr int looks_at_once = 64; // polls of its own share between two checks if the pool stops
+        std::uint64_t last = 0;           // the latest run in which it has seen its share
         for (int looks = 1;; ++looks) {
             if (const std::uint64_t run = shares[worker].number(); run != last) {
                 last = run;
@@ -143,22 +147,23 @@ class WorkerPool final : public Tasks {
         sleepers.fetch_sub(1, std::memory_order_relaxed);
     }
 
-    /// Items that a worker has done since the pool was made. On a cache line of its own.
+    /// Items that a worker has done since the pool was created. On its own cache line.
     struct alignas(64) Progress {
         std::atomic<std::uint64_t> items = 0;
     };
 
-    // What all workers read, and hardly anybody writes, stands apart from what the caller writes in every run.
+    // Members that all workers read and that are rarely written, apart from the members that the caller writes in
+    // every run.
     std::vector<std::thread> threads;
     std::vector<Share> shares;      ///< by worker
     std::vector<Progress> progress; ///< by worker
     std::atomic<bool> stops = false, caller_sleeps = false;
-    base::Bell work_bell, done_bell; ///< of `calls` and of `reports`
+    base::Bell work_bell, done_bell; ///< for changes of `calls` and of `reports`
     alignas(64) std::atomic<bool> runs_now = false;
-    std::uint64_t number = 0;                            ///< of the run
+    std::uint64_t number = 0;                            ///< number of the run
     std::uint64_t wanted = 0;                            ///< items of all runs so far
     alignas(64) std::atomic<std::uint32_t> sleepers = 0; ///< workers that sleep, or are about to
-    std::atomic<std::uint32_t> calls = 0, reports = 0;   ///< go up when somebody is to be woken
+    std::atomic<std::uint32_t> calls = 0, reports = 0;   ///< incremented to wake workers, and the caller
 };
 
 } // namespace

@@ -14,7 +14,7 @@ constexpr std::int64_t up_30 = (std::int64_t{1} << Unit::fraction_bits) - 1;
 
 constexpr std::int64_t length_step = std::int64_t{1} << (Real::fraction_bits - Length::fraction_bits);
 
-/// How far a shape reaches from its origin along a world axis, in Length steps, rounded outward.
+/// Reach of a shape from its origin along a world axis, in Length steps, rounded outward.
 struct Reach {
     std::int64_t low, high;
 };
@@ -23,7 +23,7 @@ std::int64_t times(Unit along, Length half) {
     return static_cast<std::int64_t>(magnitude(along.raw)) * half.raw;
 }
 
-/// Of a cylinder or cone; `r`: the world axis in the shape's axes.
+/// Reach of a cylinder or cone. `r`: the world axis in the shape's axes.
 Reach reach_of_discs(const Geometry& g, UnitVec3 r) {
     const LengthVec3& half = g.half_extent;
     const std::int64_t factor = g.scale.x.raw >> Length::fraction_bits;
@@ -42,7 +42,7 @@ Reach reach_of_discs(const Geometry& g, UnitVec3 r) {
     return {-ceiling(greater(rim + height, -height)), ceiling(greater(rim - height, height))};
 }
 
-/// Along each of the rows of a rotation. |r| is 2^30 to a rounding and |v| below 2^8 m: the sums fit.
+/// Reach along each row of a rotation. |r| is 2^30 up to rounding and |v| is below 2^8 m, so the sums fit.
 void reach_of_hull(const shapes::Solid& solid, const Rotation& r, Reach (&out)[3]) {
     const shapes::Hull& hull = *solid.hull;
     const std::int32_t rows[3][3] = {{r.x.x.raw, r.y.x.raw, r.z.x.raw},
@@ -65,7 +65,7 @@ void reach_of_hull(const shapes::Solid& solid, const Rotation& r, Reach (&out)[3
                   ((high[i] + up_30) >> Unit::fraction_bits) + radius};
 }
 
-/// Of what lies within an extent of asset coordinates; those reach 2^20 m at most.
+/// Reach of an extent in asset coordinates, which are at most 2^20 m.
 Reach reach_of_extent(const shapes::Extent& e, UnitVec3 r) {
     std::int64_t low = 0, high = 0;
     for (int i = 0; i < 3; ++i) {
@@ -76,7 +76,7 @@ Reach reach_of_extent(const shapes::Extent& e, UnitVec3 r) {
     return {low, high};
 }
 
-/// Of a sphere, capsule or box, of all three axes at once. Only a box has an extent along x and z.
+/// Reach of a sphere, capsule or box along all three axes. Only a box has half extents along x and z.
 void reach_of_round_box(const Geometry& g, const Rotation& r, Reach (&out)[3]) {
     const std::int64_t factor = g.scale.x.raw >> Length::fraction_bits;
     const bool is_box = g.kind == ShapeKind::box;
@@ -106,7 +106,7 @@ bool has_extent(ShapeKind kind) {
     return kind == ShapeKind::compound || kind == ShapeKind::height_field || kind == ShapeKind::mesh;
 }
 
-/// From `low` to `high` around a position, in Length steps, rounded outward.
+/// Bounds from `low` to `high` around a position, in Length steps, rounded outward and clamped.
 Bounds clamped_around(const Vec3& position, const Reach (&reaches)[3], int drop) {
     Bounds out;
     for (int i = 0; i < 3; ++i) {
@@ -118,7 +118,7 @@ Bounds clamped_around(const Vec3& position, const Reach (&reaches)[3], int drop)
     }
     return out;
 }
-/// The same, without clamps within 16 km of the origin. Ceil: one above the floor.
+/// As clamped_around, but without clamps when everything is within 16 km of the origin. Rounds up by floor + 1.
 Bounds bounds_around(const Vec3& position, const Reach (&reaches)[3], int drop) {
     constexpr std::uint64_t near = std::uint64_t{1} << (Real::fraction_bits + 14);
     Bounds out;
@@ -135,7 +135,7 @@ Bounds bounds_around(const Vec3& position, const Reach (&reaches)[3], int drop) 
     }
     return beyond < 2 * near ? out : clamped_around(position, reaches, drop);
 }
-/// What roundings add to a reach, and the margin.
+/// The margin and the bound of the rounding errors, to add to a reach.
 std::int64_t more_than(Reach reach, Length margin) {
     return margin.raw + bounds_guard + ((reach.high - reach.low) >> 28); // 2^32 steps: 256 m
 }

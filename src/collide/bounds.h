@@ -1,12 +1,12 @@
-// Axis-aligned bounds on 32-bit integers, rounded outward: what the broad phase compares.
+// Axis-aligned bounds of 32-bit integers, rounded outward, for the broad phase.
 #pragma once
 
 #include "shapes/asset/asset.h"
 
 namespace lockstone::collide {
 
-/// A closed box. One step of `Bound` is 2^(shift - 16) m, with one `shift` (0..8) for the whole world:
-/// 0 covers +-32 km in steps of 15 um, 8 covers +-8388 km in steps of 4 mm.
+/// A closed box. One step of `Bound` is 2^(shift - 16) m; the whole world has one `shift` (0..8). Shift 0
+/// covers +-32 km in steps of 15 um, shift 8 covers +-8388 km in steps of 4 mm.
 struct Bounds {
     Vector3<Bound> lower, upper;
 
@@ -15,22 +15,22 @@ struct Bounds {
 
 inline constexpr int bounds_shift_max = 8;
 
-/// What the roundings of the rotation and of the narrow phase can add up to: 1 um for shapes of 100 m, and as much more
-/// for larger ones as their size. Length steps.
+/// A bound of the rounding errors of the rotation and of the narrow phase, in Length steps: 1 um for shapes of
+/// up to 100 m. For larger shapes it grows in proportion to the size (see more_than in bounds.cpp).
 inline constexpr std::int64_t bounds_guard = 16;
 
-/// One step of `Bound` is so many bits above one of Real.
+/// log2 of the ratio of one step of `Bound` to one step of Real.
 constexpr int bounds_drop(int shift) { return Real::fraction_bits - Bound::fraction_bits + shift; }
 
-/// Contains every point of the shape and everything closer to it than `margin` (>= 0), whatever the roundings; at most
-/// 2 steps + 2 um + 2^-27 of its size too large on each side (a compound, mesh or height field: that of the box around
-/// it). A coordinate beyond the range is clamped: shapes out there then meet on the
-/// border, a superset again. A plane fills all space.
+/// Bounds that contain every point of the shape and every point nearer to it than `margin` (>= 0), including
+/// roundings. They are at most 2 steps + 2 um + 2^-27 of the shape's size too large on each side; for a
+/// compound, mesh or height field, compared with the box around it. Coordinates beyond the range are clamped:
+/// shapes out there then overlap at the border, which gives a superset again. A plane fills all space.
 Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margin, int shift = 0);
-/// The same at `position`, turned by `axes`.
+/// As above, with the rotation as a matrix `axes`.
 Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& axes, Length margin, int shift);
 
-/// The same of a sphere, which no rotation changes.
+/// As above for a sphere, which needs no rotation.
 Bounds bounds_of_ball(const Geometry& ball, Vec3 position, Length margin, int shift);
 
 /// A length in bound steps, rounded up.

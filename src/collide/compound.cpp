@@ -1,4 +1,5 @@
-// Compounds against everything: the parts that are near, each against the other shape or its parts, then merged.
+// Compounds against all shapes: collides each nearby part with the other shape or its parts, then merges the
+// manifolds.
 #include "collide/merge_manifolds.h"
 #include "collide/mesh/triangle_contact.h"
 #include "collide/mesh/triangles.h"
@@ -7,7 +8,7 @@
 namespace lockstone::collide {
 namespace {
 
-/// A part's frame in its compound's.
+/// A part's frame, in its compound's frame.
 struct Place {
     Rotation rotation;
     CoordinateVec3 position;
@@ -15,11 +16,11 @@ struct Place {
 Place place_of(const shapes::Compound::Part& part) {
     return {to_rotation(part.local.rotation), to<Coordinate>(part.local.position)};
 }
-/// A frame that is at `place` in B, seen from A.
+/// The pose in A of a frame that is at `place` in B.
 RelativePose part_of_b(const RelativePose& b, const Place& place) {
     return {mul<Unit>(b.rotation, place.rotation), b.position + mul<Coordinate>(b.rotation, place.position)};
 }
-/// B seen from a frame that is at `place` in A.
+/// The pose of B in a frame that is at `place` in A.
 RelativePose seen_from_part(const RelativePose& b, const Place& place) {
     return {mul_transposed<Unit>(place.rotation, b.rotation),
             mul_transposed<Coordinate>(place.rotation, b.position - place.position)};
@@ -28,7 +29,7 @@ RelativePose inverse(const RelativePose& p) {
     return {transpose(p.rotation), mul_transposed<Coordinate>(p.rotation, -p.position)};
 }
 
-/// Names the parts in a manifold's features and moves its points from the part's origin to B's.
+/// Adds the parts to the features of a manifold, and moves its points from the part's origin to B's.
 void finish(Manifold& m, std::uint32_t part_a, std::uint32_t part_b, const CoordinateVec3& offset) {
     m.piece_b = part_b;
     for (std::uint32_t k = 0; k < m.count; ++k) {
@@ -94,7 +95,8 @@ class CompoundCollision {
         }
     }
 
-    /// Part i of A against a convex shape of B at `other` in A, whose origin is at `offset` from B's.
+    /// Part i of A against a convex shape of B. `other`: the shape's pose in A; `offset`: its origin from B's
+    /// origin.
     void pair(std::uint32_t i, const Place& place, std::uint32_t j, const shapes::Solid& shape,
               const RelativePose& other, const CoordinateVec3& offset) {
         Manifold m;
@@ -103,7 +105,7 @@ class CompoundCollision {
         if (part.geometry.kind >= shape.geometry.kind) {
             collide_pair(part, shape, seen, margin, m);
             turn(m, place.rotation);
-        } else { // the routines know one order of kinds only
+        } else { // the routines take the greater kind first
             collide_pair(shape, part, inverse(seen), margin, m);
             m.normal = -m.normal;
             turn(m, other.rotation);

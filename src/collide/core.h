@@ -1,5 +1,5 @@
-// A convex core made ready for many support queries, and the Minkowski difference of two of them on scaled integers:
-// what GJK and EPA share.
+// A convex core prepared for many support queries, and the Minkowski difference of two cores in scaled
+// integers. Shared by GJK and EPA.
 #pragma once
 
 #include "collide/convex/convex.h"
@@ -12,16 +12,17 @@ constexpr Long3 cross(Long3 a, Long3 b) {
 constexpr Wide wide_dot(Long3 a, Long3 b) {
     return Wide::product(a[0], b[0]) + Wide::product(a[1], b[1]) + Wide::product(a[2], b[2]);
 }
-/// Whether no component needs more than `bits` bits and a sign.
+/// True when no component needs more than `bits` bits and a sign.
 constexpr bool is_within(const Long3& a, int bits) {
     const std::int64_t any = (a[0] ^ (a[0] >> 63)) | (a[1] ^ (a[1] >> 63)) | (a[2] ^ (a[2] >> 63));
     return any >> bits == 0;
 }
-/// a . n rounded, of a unit vector with 30 fraction bits: quick up to 2^31, where the sum of products is below 2^63.
+/// a . n, rounded, for a unit vector n with 30 fraction bits. Fast for a up to 2^31, where the sum of products
+/// is below 2^63.
 constexpr std::int64_t dot_unit(const Long3& a, const Long3& n_30) {
     return is_within(a, 31) ? shift_right_rounded(dot(a, n_30), 30) : narrow_rounded(wide_dot(a, n_30), 30);
 }
-/// n x rounded, likewise.
+/// n x, rounded; fast for x up to 2^31.
 constexpr Long3 times_unit(const Long3& n_30, std::int64_t x) {
     if ((x ^ (x >> 63)) >> 31 == 0) return shifted(n_30 * x, 30);
     const auto part = [&](int i) { return narrow_rounded(Wide::product(n_30[i], x), 30); };
@@ -33,17 +34,19 @@ constexpr std::int64_t widest(Long3 a) {
 }
 constexpr bool is_zero(Long3 a) { return (a[0] | a[1] | a[2]) == 0; }
 constexpr bool is_same(Long3 a, Long3 b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
-/// The same direction with its widest component in [2^(bits - 1), 2^bits); zero stays zero. |a| < 2^63.
+/// A vector of equal direction whose widest component is in [2^(bits - 1), 2^bits). Zero stays zero.
+/// |a| < 2^63.
 constexpr Long3 with_bits(Long3 a, int bits) {
-    const std::int64_t any = absolute(a[0]) | absolute(a[1]) | absolute(a[2]); // as many bits as the widest
+    // Has as many bits as the widest component.
+    const std::int64_t any = absolute(a[0]) | absolute(a[1]) | absolute(a[2]);
     const int shift = bits - bit_length(static_cast<std::uint64_t>(any));
     if (shift >= 0) return is_zero(a) ? a : up(a, shift);
     return {a[0] >> -shift, a[1] >> -shift, a[2] >> -shift};
 }
-/// a x b in 128 bits, brought to `bits` bits; exact before that. |a|, |b| < 2^62.
+/// a x b in 128 bits, then reduced to `bits` bits; exact before that. |a|, |b| < 2^62.
 Long3 cross_with_bits(Long3 a, Long3 b, int bits);
 
-/// Where a corner of a hull is: three products below 2^62 with |v| < 2^32, so no overflow.
+/// Position of a corner of a hull. The three products are below 2^62 for |v| < 2^32, so there is no overflow.
 inline Long3 corner_of(const Convex& shape, std::uint32_t corner) {
     const Long3 v = raw(shape.hull->vertices[corner]), origin_30 = up(shape.center_24, 6);
     if (shape.upright) return origin_30 + up(v, 6);
@@ -54,23 +57,24 @@ inline Long3 corner_of(const Convex& shape, std::uint32_t corner) {
     return origin_30 + Long3{part(0), part(1), part(2)};
 }
 
-/// Whether the core has discs, whose lowest point runs along the rim when they turn a little.
+/// True when the core has discs: their lowest point moves along the rim when the shape turns a little.
 constexpr bool has_discs(const Convex& shape) {
     return shape.core == Convex::Core::cylinder || shape.core == Convex::Core::cone;
 }
 
-/// A shape further along a unit direction.
+/// The shape moved along a unit direction.
 Convex moved_along(const Convex& shape, Long3 unit_30, std::int64_t by_24);
 
-/// A convex whose vectors are multiplied out. The corner of a hull where the last query ended is where the next
-/// begins: it saves steps and changes no answer but which of several equally far corners is named.
+/// A convex core with its vectors multiplied out. Each query on a hull starts at the corner where the last one
+/// ended. This saves steps. It changes no result except which of several equally far corners is returned.
 class Core {
   public:
     explicit Core(const Convex& shape);
 
-    /// The point furthest along a direction of at most 2^31, 30 fraction bits.
+    /// The point furthest along a direction with components of at most 2^31; 30 fraction bits.
     SupportPoint support(const Long3& direction);
-    /// The middle of the core's extent; no point of the core is further than `reach` from it, on each axis; 30 fraction bits.
+    /// The middle of the core's extent. On each axis no point of the core is further from it than `reach`. 30
+    /// fraction bits.
     struct Extent {
         Long3 middle, reach;
     };
@@ -82,23 +86,24 @@ class Core {
     Long3 support_rim(Long3 direction) const;
 
     const Convex* shape;
-    Long3 origin_30;      ///< the shape's origin
-    Long3 extent_30[3]{}; ///< half extents along the axes, but of hulls; cylinder and cone: x and z are radii
+    Long3 origin_30; ///< the shape's origin
+    /// Half extents along the axes, except for hulls; cylinder and cone: x and z are the radius.
+    Long3 extent_30[3]{};
     std::uint32_t corner = 0;
 };
 
-/// The separation of two cores along a direction, and the corners of hulls that are furthest along it.
+/// The separation of two cores along a direction, and the hull corners furthest along it.
 struct SeparationAlong {
     std::int64_t separation_30;
     std::uint32_t corner_a, corner_b;
 };
 
-/// The two cores of a pair. Cheap to make of boxes, and of hulls next to nothing.
+/// The two cores of a pair. Cheap to construct for boxes, and cheaper for hulls.
 struct Cores {
     Core a, b;
 
     Cores(const Convex& first, const Convex& second) : a(first), b(second) {}
-    /// Along a unit direction from A to B.
+    /// Separation along a unit direction from A to B.
     SeparationAlong separation(const Long3& normal) {
         const SupportPoint p = a.support(normal), q = b.support(-normal);
         return {dot_unit(q.at_30 - p.at_30, normal), p.id, q.id};
@@ -107,24 +112,25 @@ struct Cores {
     bool is_smooth() const { return a.is_smooth() || b.is_smooth(); }
 };
 
-/// A point of the difference A - B, in steps of 2^shift of 30 fraction bits, and the two points it comes of.
+/// A point of the difference A - B, in steps of 2^shift of 30 fraction bits, and the points of A and B that it
+/// is the difference of.
 struct Vertex {
     Long3 w;
     Long3 a_30, b_30;
 };
 
-/// A - B with a step such that no coordinate exceeds 2^29. Edges are then within 2^30, their cross products within
-/// 2^61, and triple products fit 128 bits with room for one more factor.
+/// The difference A - B, in steps such that no coordinate exceeds 2^29. Edges are then within 2^30, their cross
+/// products within 2^61, and triple products fit 128 bits with room for one more factor.
 class Difference : public Cores {
   public:
     explicit Difference(const Cores& cores);
     Difference(const Convex& first, const Convex& second) : Difference(Cores(first, second)) {}
-    /// Furthest along a direction of at most 2^31.
+    /// The point furthest along a direction with components of at most 2^31.
     Vertex support(const Long3& direction) {
         const Long3 p = a.support(direction).at_30, q = b.support(-direction).at_30;
         return {shifted(p - q, drop), p, q};
     }
-    /// From B's middle to A's, 30 fraction bits.
+    /// From B's middle to A's; 30 fraction bits.
     const Long3& between() const { return offset; }
     int shift() const { return drop; }
 
@@ -133,32 +139,31 @@ class Difference : public Cores {
     int drop;
 };
 
-/// A simplex of the difference in which the origin's closest point is an inner point; see gjk.cpp.
+/// A simplex of the difference whose point closest to the origin is in its interior; see gjk.cpp.
 struct Simplex {
     Vertex v[4];
     int count = 0;
-    Long3 direction{}; ///< from the origin to that point, widest component of 30 bits
+    Long3 direction{}; ///< from the origin to that point; the widest component has 30 bits
 };
 
-/// GJK until it is settled whether the difference holds the origin. True: the simplex (1 to 4 vertices) holds it.
-/// False: the simplex is the closest one, or `beyond` is set and the distance is above the limit.
-/// `limit_30` < 0: none. The search starts along the simplex' direction.
+/// Runs GJK until it is known whether the difference contains the origin. True: the simplex (1 to 4 vertices)
+/// contains it. False: the simplex is the closest one, or `beyond` is set and the distance is above the limit.
+/// A negative `limit_30` means no limit. The search starts along the simplex's direction.
 bool find_simplex(Difference& difference, std::int64_t limit_30, Simplex& simplex, bool& beyond);
 
-/// `closest_points_within`, starting from a direction that leads from B to A, and leaving the simplex. A negative
-/// limit is none.
+/// As `closest_points_within`, but starts from a direction from B to A, and returns the final simplex. A
+/// negative limit means no limit.
 Gap find_gap(Difference& difference, std::int64_t limit_30, Long3 start, Simplex& simplex);
 
-/// The points of the two cores whose difference is the simplex' point nearest to the origin; of one that does not hold
-/// it.
+/// Computes the nearest points of the two cores from a simplex that does not contain the origin.
 void set_points(const Simplex& simplex, Gap& gap);
 
-/// Points of two overlapping cores that touch when they are just parted.
+/// The points where two overlapping cores touch once the least move has just separated them.
 struct Touch {
     bool is_known = false;
     Long3 on_a_30{}, on_b_30{};
 };
-/// `penetration`, from the simplex that `find_gap` has left.
+/// As `penetration`, starting from the simplex that `find_gap` returned.
 Penetration find_move(Difference& difference, Simplex& simplex, Touch& touch);
 
 } // namespace lockstone::collide

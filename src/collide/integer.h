@@ -1,9 +1,9 @@
-// The plain integers of the narrow phase. A name's suffix tells the fraction bits: x_24, x_30, x_54.
+// The integers of the narrow phase. A name's suffix gives its fraction bits: x_24, x_30, x_54.
 //
-// Bounds that the routines of plain spheres, capsules and boxes rely on: a shape reaches at most 174 m from its origin
-// (a box of 3 x 100 m), a relative position at most 222 m (3 x 128 m), so no point is further than 396 m < 2^9 m from
-// the frame's origin. A dot product with a unit vector (30 fraction bits) of a length in 24 fraction bits then stays
-// below 2^63, partial sums included, and needs no check.
+// The routines for plain spheres, capsules and boxes rely on these bounds: a shape reaches at most 174 m from
+// its origin (a box of 3 x 100 m), and a relative position is at most 222 m (3 x 128 m). So no point is further
+// than 396 m < 2^9 m from the frame's origin. A dot product of a unit vector (30 fraction bits) and a length
+// (24 fraction bits), partial sums included, then stays below 2^63 and needs no check.
 #pragma once
 
 #include "collide/narrow_phase.h"
@@ -55,7 +55,7 @@ constexpr UnitVec3 unit_of_30(Long3 n) {
     return {unit(n[0]), unit(n[1]), unit(n[2])};
 }
 
-/// visit(0), visit(1), visit(2) with indices known to the compiler: the loops of the axis search unroll with it.
+/// Calls visit(0), visit(1), visit(2) with compile-time indices, so that the loops of the axis search unroll.
 template <class Visit> constexpr void for_axes(Visit&& visit) {
     visit(std::integral_constant<int, 0>{});
     visit(std::integral_constant<int, 1>{});
@@ -67,11 +67,12 @@ struct Direction {
     Long3 unit;
     std::int64_t length;
 };
-/// d has 30 fraction bits; relative error 2^-30 whatever its length (up to 2^9 m).
+/// d has 30 fraction bits. The relative error is 2^-30 for any length up to 2^9 m.
 inline Direction direction_of_30(Long3 d) {
-    const std::int64_t any = absolute(d[0]) | absolute(d[1]) | absolute(d[2]); // as many bits as the widest
+    // Has as many bits as the widest component.
+    const std::int64_t any = absolute(d[0]) | absolute(d[1]) | absolute(d[2]);
     if (any == 0) return {Long3{}, 0};
-    // To 31 bits: the squares then add up below 2^64.
+    // Scale to 31 bits: the sum of the squares is then below 2^64.
     const int shift = 31 - bit_length(static_cast<std::uint64_t>(any));
     const Long3 m = shift >= 0 ? up(d, shift) : Long3{d[0] >> -shift, d[1] >> -shift, d[2] >> -shift};
     std::uint64_t square = 0;
@@ -88,14 +89,15 @@ inline std::int64_t ratio_clamped(std::int64_t numerator, std::int64_t denominat
     return clamped(divide_shifted(numerator, denominator, shift), low, high);
 }
 
-/// Adds a point when it is within the margin; `position` and `separation` in 30 fraction bits.
+/// Adds a point if it is within the margin. `position` and `separation` have 30 fraction bits.
 inline void add_point(Manifold& out, Long3 position, std::int64_t separation, Length margin,
                       std::uint32_t feature) {
     if (separation > up(margin.raw, 6)) return;
     out.points[out.count++] = {point_of_30(position), separation_of_30(separation), feature};
 }
 
-/// The point of two round surfaces: cores `from` (in A) and from + distance * normal (in B) swollen by the two radii.
+/// Adds the contact point of two round surfaces: the cores are at `from` (A) and from + distance * normal (B),
+/// each with its radius around it.
 inline void add_round_point(Manifold& out, Long3 from, Long3 normal, std::int64_t distance, Length radius_a,
                             Length radius_b, Length margin, std::uint32_t feature) {
     const std::int64_t separation = distance - up(std::int64_t{radius_a.raw} + radius_b.raw, 6);
@@ -104,27 +106,28 @@ inline void add_round_point(Manifold& out, Long3 from, Long3 normal, std::int64_
     add_point(out, from + shifted(normal * offset_24, 24), separation, margin, feature);
 }
 
-// Box features, named so that they do not depend on which box's face was clipped against: three sign bits for a corner
-// (bit i: the positive side of axis i); for an edge, its axis and the sign bits of the other two.
+// Feature names of boxes. They do not depend on which box's face was the reference. A corner has three sign
+// bits (bit i: the positive side of axis i). An edge has its axis and the sign bits of the other two axes.
 constexpr std::uint32_t corner_feature_a(std::uint32_t corner) { return 0x10000u | corner; }
 constexpr std::uint32_t corner_feature_b(std::uint32_t corner) { return 0x20000u | corner; }
 constexpr std::uint32_t edge_feature(std::uint32_t edge_a, std::uint32_t edge_b) {
     return 0x30000u | edge_a << 8 | edge_b;
 }
-/// `signs` are corner bits; the bit of the edge's own axis is ignored.
+/// `signs` are corner bits; the bit of the edge's own axis has no effect.
 constexpr std::uint32_t edge_id(int axis, std::uint32_t signs) {
     return static_cast<std::uint32_t>(axis) << 3 | (signs & ~(1u << axis));
 }
 
-/// length * axis: a vector of 30 fraction bits from 24 and 30, rounded once. For lengths of up to 2^20 m.
+/// length * axis with 30 fraction bits, from 24 and 30 fraction bits, rounded once. For lengths of up to
+/// 2^20 m.
 inline Long3 along_30(Long3 axis_30, std::int64_t length_24) {
     if ((length_24 ^ (length_24 >> 63)) >> 32 == 0) return shifted(axis_30 * length_24, 24); // below 2^62
     const auto part = [&](std::int64_t x) { return narrow_rounded(Wide::product(x, length_24), 24); };
     return {part(axis_30[0]), part(axis_30[1]), part(axis_30[2])};
 }
 
-// The pairs, by kinds; A first. All need what `collide` needs, no rounding, scale 1 and a zeroed manifold; positions
-// are from A's origin.
+// The routines by pairs of kinds; A first. All need the preconditions of `collide`, no rounding, scale 1 and a
+// zeroed manifold. Positions in the result are from A's origin.
 void collide_sphere_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
                            Manifold& out);
 void collide_capsule_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,

@@ -1,4 +1,4 @@
-// From two convex cores and a normal to a manifold.
+// Computes a manifold from two convex cores and a normal.
 //
 // source: Gregorius, Robust Contact Creation for Physics Simulations, GDC 2015 (supporting features, one-shot
 // manifolds).
@@ -10,7 +10,7 @@
 namespace lockstone::collide {
 namespace {
 
-/// A face serves as the reference when the normal is within this of its own: cos of 0.5 degrees.
+/// A face can be the reference when its normal is within 0.5 degrees of the contact normal (cosine).
 constexpr std::int64_t cosine_min_30 = (std::int64_t{1} << 30) - 40902;
 
 bool serves(const Facing& f, Long3 direction, std::int64_t& cosine) {
@@ -18,7 +18,8 @@ bool serves(const Facing& f, Long3 direction, std::int64_t& cosine) {
     return f.flat && cosine >= cosine_min_30;
 }
 
-/// A length that tells small shapes: their smallest half extent, radius or inner radius, 24 fraction bits.
+/// A length that decides whether a shape is small: its smallest half extent, radius or inner radius, 24
+/// fraction bits.
 std::int64_t thickness(const Convex& shape) {
     const Long3& h = shape.half_24;
     switch (shape.core) {
@@ -34,24 +35,25 @@ std::int64_t thickness(const Convex& shape) {
     }
 }
 
-/// The preference for faces, 30 fraction bits; 1 / 64 of a length in 24 is the same number in 30.
+/// The bias for faces, 30 fraction bits. 1/64 of a length with 24 fraction bits is the same number with 30.
 std::int64_t bias_of(const Convex& a, const Convex& b) {
     return smaller(up(face_bias.raw, 3), smaller(thickness(a), thickness(b)));
 }
 
-/// How round an edge or generator is across itself; a cone's is not, towards its apex.
+/// Radius of curvature across an edge or generator. The generator of a cone has none, because it ends in the
+/// apex.
 std::int64_t edge_radius_30(const Convex& shape) {
     return up(shape.radius.raw + (shape.core == Convex::Core::cylinder ? shape.half_24[0] : 0), 6);
 }
 
-/// Two edges that face each other: A's through `a` along `axis_a`, B's through `b`.
+/// Two edges that face each other: A's through `a` along `along_a`, B's through `b` along `along_b`.
 struct Lines {
     Long3 a, b; // 30
     Direction along_a, along_b;
 
     Long3 on_a(std::int64_t s) const { return moved(a, along_a.unit, s); }
     Long3 on_b(std::int64_t s) const { return moved(b, along_b.unit, s); }
-    /// B's parameter nearest to a point; not clamped.
+    /// Parameter of the point of B's line nearest to x; not clamped.
     std::int64_t beside_on_b(Long3 x) const { return dot_unit(x - b, along_b.unit); }
     std::int64_t beside_on_a(Long3 x) const { return dot_unit(x - a, along_a.unit); }
 
@@ -59,7 +61,7 @@ struct Lines {
     static Long3 moved(Long3 from, Long3 unit, std::int64_t s) { return from + times_unit(unit, s); }
 };
 
-/// Two points where the edges run along each other; false when they cross or leave each other.
+/// Adds two points where the edges run along each other. Returns false when they cross or diverge.
 bool touch_along(Contact& c, const Lines& g, const SupportingFace& ea, const SupportingFace& eb) {
     const std::int64_t cosine = shift_right_rounded(dot(g.along_a.unit, g.along_b.unit), 30);
     if (absolute(cosine) < std::int64_t{1} << 29) return false;
@@ -73,7 +75,7 @@ bool touch_along(Contact& c, const Lines& g, const SupportingFace& ea, const Sup
     const std::int64_t at[2] = {low, high};
     for (int k = 0; k < 2; ++k) {
         const Long3 x = g.on_a(at[k]);
-        // The point of B's edge above x: along the edge until it is level with x along A's.
+        // The point of B's edge above x: the one with the position of x along A's edge.
         const std::int64_t u = g.beside_on_b(x), within = clamped(u, 0, g.along_b.length);
         if (absolute(u - within) > bias) return false;
         const Long3 gap = g.on_b(within) - x;
@@ -85,12 +87,13 @@ bool touch_along(Contact& c, const Lines& g, const SupportingFace& ea, const Sup
     constexpr std::int64_t micrometre_30 = 1 << 10;
     if (smaller(separation[0], separation[1]) > c.separation_30 + bias + micrometre_30) return false;
     const std::uint32_t name = edges_of(edge_of(ea.ids[0], ea.ids[1]), edge_of(eb.ids[0], eb.ids[1]));
-    // A low and a high point: the bit keeps them apart, and is in no corner's name.
+    // A low and a high point: the top bit distinguishes them, and no corner's name has it.
     for (std::uint32_t k = 0; k < 2; ++k) c.add_above_a(g.on_a(at[k]), separation[k], name ^ (k << 31));
     return true;
 }
 
-/// How little a supporting edge tells where it is touched: a corner, an edge, part of a face.
+/// Number of dimensions in which the touching point may vary: 0 for a corner, 1 for an edge, 2 for a part of a
+/// face.
 int freedom(const SupportingFace& edge) { return edge.flat ? 2 : edge.count - 1; }
 
 std::uint32_t single_name(const SupportingFace& ea, const SupportingFace& eb) {
@@ -100,11 +103,11 @@ std::uint32_t single_name(const SupportingFace& ea, const SupportingFace& eb) {
     return edges_of(name(ea), name(eb));
 }
 
-/// The closest points of two cores: as found, or of overlapping ones at the places where they touch when the second is
-/// moved along the normal until they just part.
+/// The closest points of two cores. For overlapping cores it first moves the second one along the normal until
+/// they just separate, and subtracts the move from its point.
 Gap touching_points(const Convex& a, const Convex& b, Long3 normal, std::int64_t separation_30) {
-    constexpr std::int64_t gap_24 =
-        1 << 8; // 15 um: far enough for a direction, near enough to be the same place
+    // 15 um: far enough for a direction, near enough for the same place.
+    constexpr std::int64_t gap_24 = 1 << 8;
     const std::int64_t by_24 = gap_24 - (separation_30 >> 6);
     if (by_24 <= 0) return closest_points(a, b);
     const Convex moved = moved_along(b, normal, by_24);
@@ -113,14 +116,14 @@ Gap touching_points(const Convex& a, const Convex& b, Long3 normal, std::int64_t
     return gap;
 }
 
-/// The straight line that a supporting edge of two corners stands for: the axis of a cylinder, else the edge.
+/// A point of the straight line through a supporting edge of two corners; for a cylinder a point of its axis.
 Long3 line_of(const Convex& shape, const SupportingFace& edge) {
     return shape.core == Convex::Core::cylinder ? up(shape.center_24, 6) : edge.corners_30[0];
 }
 
-/// The search for the normal of a cylinder's side ends when it is right to a few nanometres, that is 1e-4 rad. Where
-/// two straight lines face each other their normal is known: across both, or from one to the other when they are
-/// parallel. It is taken when it parts the cores as well.
+/// The search for a normal on a cylinder's side stops at an error of a few nanometres, which is 1e-4 rad. For
+/// two straight lines that face each other the exact normal is known: perpendicular to both, or from one to the
+/// other when they are parallel. It replaces the normal found when it separates the cores as well.
 void refine_normal(Difference& difference, Long3& normal, std::int64_t& separation) {
     const Convex &a = difference.a.convex(), &b = difference.b.convex();
     if (a.core != Convex::Core::cylinder && b.core != Convex::Core::cylinder) return;
@@ -141,7 +144,8 @@ void refine_normal(Difference& difference, Long3& normal, std::int64_t& separati
     if (!is_zero(better) && s >= separation - noise_30) normal = better, separation = s;
 }
 
-/// How far a core of at most 128 m reaches along a unit direction from its origin, 54 fraction bits; negative: not told here.
+/// Reach of a core of at most 128 m from its origin along a unit direction, 54 fraction bits; negative for
+/// cores that it does not support.
 std::int64_t reach_54(const Convex& shape, Long3 n) {
     const auto along = [&](int i) { return shift_right_rounded(dot(shape.axes_30[i], n), 30); };
     switch (shape.core) {
@@ -161,11 +165,12 @@ std::int64_t reach_54(const Convex& shape, Long3 n) {
     }
 }
 
-/// Whether the cores are apart along a unit direction by more than a limit, 30 fraction bits, and the guard.
+/// True when a unit direction separates the cores by more than a limit, 30 fraction bits, and the guard.
 bool is_parted(const Convex& a, const Convex& b, Long3 n, std::int64_t limit_30) {
     const std::int64_t limit = limit_30 + hint_guard_30;
     const Long3 between = b.center_24 - a.center_24;
-    // Within 128 m products of the quick way fit, and its roundings are far below the guard. What is larger is static.
+    // Within 128 m the products of the fast way fit, and its roundings are far below the guard. Larger shapes are
+    // static and take the slow way.
     constexpr std::int64_t most = std::int64_t{1} << 31;
     if (limit < most << 6 && widest(between) < most && widest(a.half_24) < most && widest(b.half_24) < most) {
         const std::int64_t of_a = reach_54(a, n), of_b = reach_54(b, -n);
@@ -174,8 +179,8 @@ bool is_parted(const Convex& a, const Convex& b, Long3 n, std::int64_t limit_30)
     return separation_along_30(a, b, n) > limit;
 }
 
-/// How deep a point is in a core that has faces: the least distance to a face's plane, 30 fraction bits. Zero where that is not
-/// told here.
+/// Depth of a point in a core with faces: the least distance to the plane of a face, 30 fraction bits. Zero for
+/// other cores, and for points further than 128 m from the core's origin.
 std::int64_t depth_in(const Convex& shape, Long3 at_30) {
     const Long3 from = shifted(at_30, 6) - shape.center_24;
     constexpr std::int64_t most = std::int64_t{1} << 31;
@@ -193,21 +198,25 @@ std::int64_t depth_in(const Convex& shape, Long3 at_30) {
     return up(larger(least, 0), 6);
 }
 
-/// Makes the manifold of the face that the last normal was that of, while that face is as good as any other to within the bias,
-/// or finds the shapes parted along it. False: nothing is known.
+/// Makes the manifold of the face that gave the last normal, while that face is as good as any other to within
+/// the bias; or finds that it separates the shapes. Returns false when it can decide neither.
 ///
-/// No normal parts the cores by more than the best one, whose separation is s. That of a face of A is no less than s - bias if
-///   a point of B lies over the face, not higher than the face's separation and the bias: s is not above its height
-///   B's furthest point under the face is in A, and no other face of A nearer by more than the bias: to part the cores, it
-///   has to leave A
-/// and likewise for a face of B.
+/// Let s be the separation along the best normal; no normal has a greater one. A face of A has a separation of
+/// at least s - bias in these two cases:
+/// * A point of B is over the face, and not higher than the face's separation plus the bias: s is not above
+///   that height.
+/// * B's furthest point below the face is in A, and no other face of A is nearer to it by more than the bias:
+///   to separate the cores, that point must leave A.
+///
+/// For a face of B this holds with A and B exchanged.
 bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, Manifold& out) {
     if (has_discs(a) || has_discs(b)) return false;
     const Facing face_a = facing(a, last_30), face_b = facing(b, -last_30);
     std::int64_t cosine_a = 0, cosine_b = 0;
     if (face_a.flat) cosine_a = dot(face_a.normal_30, last_30);
     if (face_b.flat) cosine_b = -dot(face_b.normal_30, last_30);
-    constexpr std::int64_t same_face = (std::int64_t{1} << 60) - (std::int64_t{1} << 53); // within 7 degrees
+    // Cosine of 7 degrees.
+    constexpr std::int64_t same_face = (std::int64_t{1} << 60) - (std::int64_t{1} << 53);
     const bool by_a = cosine_a >= cosine_b;
     if (larger(cosine_a, cosine_b) < same_face) return false;
     const Long3 normal = by_a ? face_a.normal_30 : -face_b.normal_30;
@@ -232,17 +241,18 @@ bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, M
     return false;
 }
 
-/// The direction that parts two cores by most, by how much, and where they touch along it.
+/// The direction that separates two cores most, their separation along it, and where they touch along it.
 struct Parting {
     Long3 normal_30{};
     std::int64_t separation_30 = 0;
     Touch touch;
     std::uint32_t edges =
-        0; ///< the name of edges that cross where they touch, by 60 degrees and more; 0: not known
-    std::uint32_t corner_a = unknown_corner, corner_b = unknown_corner; ///< the furthest along it, of hulls
+        0; ///< name of the edges that touch, if they cross at 60 degrees or more; 0: unknown
+    /// Hull corners furthest along the normal.
+    std::uint32_t corner_a = unknown_corner, corner_b = unknown_corner;
 };
 
-/// A corner of a box or hull, 30 fraction bits. False: it has none of that name.
+/// Finds a corner of a box or hull, 30 fraction bits. Returns false when no corner has that id.
 bool find_corner(const Convex& shape, std::uint32_t id, Long3& at_30) {
     if (shape.core == Convex::Core::hull) {
         if (id >= shape.hull->vertices.size()) return false;
@@ -258,7 +268,7 @@ bool find_corner(const Convex& shape, std::uint32_t id, Long3& at_30) {
     return true;
 }
 
-/// An edge between two corners, within 16 m.
+/// An edge between two corners, at most 16 m long on each axis.
 struct Edge {
     Long3 from_30, along_30, along_24;
 };
@@ -272,8 +282,9 @@ bool find_edge(const Convex& shape, std::uint32_t name, Edge& edge) {
     return widest(edge.along_30) < std::int64_t{1} << 34;
 }
 
-/// Where the line of an edge is nearest to another one: a part of the edge, 30 fraction bits; negative: not on it. `between`
-/// leads from the edge's corner to the other's, `other` is along that one, 24 fraction bits, `normal` across both.
+/// The point of an edge's line nearest to another line, as a fraction of the edge, 30 fraction bits; negative
+/// when it is not on the edge. `between` leads from the edge's first corner to the other edge's, `other` is
+/// along the other edge (both 24 fraction bits), and `normal` is perpendicular to both.
 std::int64_t part_beside(const Edge& edge, const Long3& between_24, const Long3& other_24,
                          const Long3& normal_30) {
     const Long3 across = shifted(cross(normal_30, other_24), 30);
@@ -282,12 +293,15 @@ std::int64_t part_beside(const Edge& edge, const Long3& between_24, const Long3&
     return divide_shifted(absolute(part), absolute(whole), 30);
 }
 
-/// The parting of two crossing edges that made the last manifold, while they face each other within both edges and no direction parts
-/// the cores by more than theirs and the bias. False: nothing is known.
+/// Finds the parting along the common normal of the two crossing edges that made the last manifold. They must
+/// face each other within both edges, and no direction may separate the cores by more than theirs and the bias.
+/// Returns false when this is not certain.
 ///
-/// p and q, where the two lines are nearest, are points of the cores, and q - p is along the normal. Apart, they are the nearest
-/// points of the cores, as no corner lies further along the normal than the edges. Overlapping by no more than the bias, any direction along
-/// which they do is good to within it; else to part the cores q has to leave A, and p B: by as much as they are deep in them.
+/// Let p and q be the nearest points of the two lines. They are points of the cores, and q - p is along the
+/// normal. When the cores are apart, p and q are their nearest points, because no corner is further along the
+/// normal than the edges. When they overlap by at most the bias, every direction is good to within the bias.
+/// When they overlap by more, q must leave A, or p must leave B, to separate the cores: the depth of that point
+/// is a bound of the move.
 bool keep_edges(Cores& cores, std::uint32_t edges, Long3 last_30, Parting& found) {
     const Convex &a = cores.a.convex(), &b = cores.b.convex();
     Edge on_a, on_b;
@@ -296,8 +310,8 @@ bool keep_edges(Cores& cores, std::uint32_t edges, Long3 last_30, Parting& found
     if (widest(between) >= std::int64_t{1} << 34) return false;
     const Long3 run_a = with_bits(on_a.along_30, 30), run_b = with_bits(on_b.along_30, 30),
                 across = cross(run_a, run_b);
-    // The sine of their angle is at least a twelfth beyond. Edges whose widest component is just above a power of two are left to the
-    // search at wider angles, too: that costs time and changes nothing else.
+    // Edges that pass have an angle whose sine is at least 1/12. Edges whose widest component is just above a power
+    // of two need a wider angle to pass. The search handles all others, which costs time but changes no result.
     if (widest(across) < std::int64_t{1} << 58) return false;
     Long3 normal = direction_of_30(with_bits(across, 31)).unit;
     if (dot(normal, last_30) < 0) normal = -normal;
@@ -335,13 +349,14 @@ Parting find_parting(const Cores& cores, std::int64_t limit_30) {
     return found;
 }
 
-/// The points of a face that the normal is that of, to within half a degree; none when there is no such face.
+/// Adds the points of a face whose normal is within half a degree of the contact normal; none when there is no
+/// such face.
 void touch_faces(Contact& c) {
     const Facing face_a = facing(c.a, c.normal_30), face_b = facing(c.b, -c.normal_30);
     std::int64_t cosine_a = 0, cosine_b = 0;
     const bool a_serves = serves(face_a, c.normal_30, cosine_a),
                b_serves = serves(face_b, -c.normal_30, cosine_b);
-    constexpr std::int64_t better = 1 << 6; // the cosine of 0.3 mrad
+    constexpr std::int64_t better = 1 << 6; // difference of cosines for 0.3 mrad
     if (!a_serves && !b_serves) return;
     const SupportingFace of_a = face_at(c.a, face_a, c.normal_30), of_b = face_at(c.b, face_b, -c.normal_30);
     if (a_serves && (!b_serves || cosine_b <= cosine_a + better))
@@ -398,7 +413,7 @@ void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& o
     const std::int64_t separation = best.separation_30;
     out.normal = unit_of_30(normal);
     if (separation > limit) return;
-    // A face whose separation is as good to within the bias gives the normal; A's rather than B's.
+    // If a face's separation is as good to within the bias, the face gives the normal; A's face is preferred.
     const std::int64_t bias = bias_of(a, b);
     const Facing face_a = facing(a, normal, best.corner_a), face_b = facing(b, -normal, best.corner_b);
     constexpr std::int64_t none = std::numeric_limits<std::int64_t>::min() / 2;

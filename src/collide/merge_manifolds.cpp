@@ -8,9 +8,10 @@ namespace lockstone::collide {
 namespace {
 
 constexpr std::int64_t parallel_60 = 1150670148478107000; // cos 3.6 degrees
-constexpr std::int64_t same_60 = 1152877604888700544;     // cos 0.5 degrees: what Manifold::on_face promises
-constexpr std::int32_t noise_27 = 1 << 14;                // 0.12 mm
-constexpr std::int64_t place_noise_20 = 1 << 11;          // 2 mm
+// Cos 0.5 degrees: the limit documented at Manifold::on_face.
+constexpr std::int64_t same_60 = 1152877604888700544;
+constexpr std::int32_t noise_27 = 1 << 14;       // 0.12 mm
+constexpr std::int64_t place_noise_20 = 1 << 11; // 2 mm
 
 std::int32_t deepest_of(const Manifold& m) {
     std::int32_t least = m.points[0].separation.raw;
@@ -18,7 +19,7 @@ std::int32_t deepest_of(const Manifold& m) {
     return least;
 }
 
-/// The manifolds of one normal: pieces[order[0 .. count)].
+/// The manifolds that are merged into one: pieces[order[0 .. count)].
 struct Cluster {
     std::span<const Manifold> pieces;
     std::span<const std::uint32_t> order;
@@ -30,7 +31,7 @@ struct Cluster {
     }
 };
 
-/// 20 fraction bits: differences are below 2^28.
+/// From one point to another; 20 fraction bits, below 2^28.
 Long3 between_20(const ManifoldPoint& from, const ManifoldPoint& to) {
     const Long3 d = raw(to.position) - raw(from.position);
     return {d[0] >> 4, d[1] >> 4, d[2] >> 4};
@@ -44,7 +45,7 @@ ManifoldPoint deepest_point(const Cluster& c, bool exact) {
     c.for_each_point([&](const ManifoldPoint& p) {
         if (first == nullptr && p.separation.raw <= limit) first = &p;
     });
-    const ManifoldPoint* best = first; // the depth of its place, whatever else was measured there
+    const ManifoldPoint* best = first; // the deepest point measured at the same place
     c.for_each_point([&](const ManifoldPoint& p) {
         const Long3 d = between_20(*first, p);
         if (p.separation < best->separation && dot(d, d) <= place_noise_20 * place_noise_20) best = &p;
@@ -52,7 +53,8 @@ ManifoldPoint deepest_point(const Cluster& c, bool exact) {
     return *best;
 }
 
-/// Twice the area of p with the line from a to b, seen against the normal: positive to the left. 40 fraction bits.
+/// Computes twice the signed area of the triangle a, b, p, seen against the normal: positive when p is to the
+/// left. 40 fraction bits.
 struct Side {
     Side(const Cluster& c, const ManifoldPoint& a, const ManifoldPoint& b) : from(a) {
         const Long3 line = between_20(a, b), n = c.normal_30;
@@ -66,8 +68,9 @@ struct Side {
     Long3 across;
 };
 
-/// The point with the greatest measure above `least`, among points that touch if there is one, else among all: chosen by place alone, a deep point
-/// would be left out in one tick and come back in the next one, and compounds would jitter. Measures must differ by a sixteenth to count.
+/// The point with the greatest measure above `least`, among the touching points if any exceeds it, else among
+/// all. If position alone decided, a deep point would be dropped in one tick and return in the next, and
+/// compounds would jitter. A measure must be greater by a sixteenth to count as greater.
 template <class Measure>
 const ManifoldPoint* find_most(const Cluster& c, std::int64_t least, const Measure& measure) {
     const ManifoldPoint *touching = nullptr, *any = nullptr;
@@ -81,8 +84,8 @@ const ManifoldPoint* find_most(const Cluster& c, std::int64_t least, const Measu
     return touching != nullptr ? touching : any;
 }
 
-/// Appends the point that is furthest from the first, the one that is furthest from the line of both, and the one
-/// that adds most to the triangle of the three.
+/// Appends the point furthest from the first, the point furthest from the line of both, and the point that adds
+/// most area to the triangle of the three.
 void add_spread(const Cluster& c, Manifold& out) {
     const ManifoldPoint first = out.points[0];
     const ManifoldPoint* second = find_most(c, place_noise_20 * place_noise_20, [&](const ManifoldPoint& p) {
@@ -98,7 +101,8 @@ void add_spread(const Cluster& c, Manifold& out) {
         find_most(c, least, [&](const ManifoldPoint& p) { return absolute(base.area(p)); });
     if (third == nullptr) return;
     out.points[out.count++] = *third;
-    const std::int64_t turn = base.area(*third) > 0 ? -1 : 1; // outside is to the right of a left turn
+    // Outside is to the right when the triangle turns left.
+    const std::int64_t turn = base.area(*third) > 0 ? -1 : 1;
     const Side sides[3] = {base, Side(c, *second, *third), Side(c, *third, first)};
     const ManifoldPoint* fourth = find_most(c, least, [&](const ManifoldPoint& p) {
         std::int64_t most = 0;
@@ -108,7 +112,8 @@ void add_spread(const Cluster& c, Manifold& out) {
     if (fourth != nullptr) out.points[out.count++] = *fourth;
 }
 
-/// The deepest first, equal ones in their order; in place: std::stable_sort allocates.
+/// Sorts by depth, the deepest first; equal ones keep their order. In place, because std::stable_sort
+/// allocates.
 void sort_by_depth(Manifolds& out) {
     for (std::uint32_t i = 1; i < out.count; ++i) {
         std::uint32_t place = i;
@@ -136,7 +141,7 @@ void merge_manifolds(std::span<const Manifold> pieces, bool one_point, std::vect
                      Manifolds& out) {
     out.count = 0;
     if (pieces.empty()) return;
-    if (pieces.size() == 1 && pieces[0].count == 1) { // as a ball touches a mesh
+    if (pieces.size() == 1 && pieces[0].count == 1) { // the usual case of a ball on a mesh
         out.items[out.count++] = pieces[0];
         return;
     }
@@ -157,7 +162,7 @@ void merge_manifolds(std::span<const Manifold> pieces, bool one_point, std::vect
         m.normal = deepest.normal;
         m.on_face = deepest.on_face;
         m.piece_a = deepest.piece_a, m.piece_b = deepest.piece_b, m.surface = deepest.surface;
-        // The members to the front, all in their order: a stable partition in place, without memory.
+        // Moves the members to the front, in their order: a stable partition in place, without extra memory.
         std::size_t members = 0;
         for (std::size_t k = 0; k < rest.size(); ++k) {
             const Manifold& piece = pieces[rest[k]];

@@ -1,4 +1,4 @@
-// From the manifolds of many triangles or parts to the few that the solver gets.
+// Reduces the manifolds of many triangles or parts to the few that the solver takes.
 #pragma once
 
 #include "collide/narrow_phase.h"
@@ -7,12 +7,12 @@
 
 namespace lockstone::collide {
 
-/// Manifolds whose normals are within 3.6 degrees of a deepest one join it, each keeping the separations of its
-/// points; of the points at most four are kept: the deepest, the one furthest from it, and those that span most
-/// area to both sides. Differences below noise (0.12 mm of depth, 2 mm of place, 1/16 of the rest) do not change
-/// the choice: the earlier point stays. Further normals make manifolds of their own, the deepest first, at most
-/// Manifolds::max. `one_point`: of each manifold only the deepest point is kept, since a ball has no other.
-/// `order` is scratch. No two points of the result have the same feature.
+/// Merges manifolds whose normals are within 3.6 degrees of the deepest one's; each point keeps its separation.
+/// At most four points remain: the deepest, the one furthest from it, and those that add most area on both
+/// sides. Differences below noise (0.12 mm of depth, 2 mm of position, 1/16 of other measures) do not change
+/// the choice: the earlier point stays. Manifolds with other normals or other surfaces are merged separately,
+/// the deepest first, at most Manifolds::max. `one_point`: each result keeps only its deepest point, because a
+/// ball has no other. `order` is scratch. All points of the result have different features.
 void merge_manifolds(std::span<const Manifold> pieces, bool one_point, std::vector<std::uint32_t>& order,
                      Manifolds& out);
 

@@ -10,7 +10,7 @@ namespace {
 
 using Routine = void (*)(const Geometry&, const Geometry&, const RelativePose&, Length, Manifold&);
 
-/// The routine of a pair of spheres, capsules and boxes that have one; else null.
+/// The routine for a pair of spheres, capsules and boxes, if there is one; else null.
 Routine routine_of(ShapeKind a, ShapeKind b) {
     switch (a) {
     case ShapeKind::sphere:
@@ -29,7 +29,7 @@ Routine routine_of(ShapeKind a, ShapeKind b) {
     }
 }
 
-/// Within the sizes that the routines of their own are proved for, and without rounding where they know none.
+/// True for sizes for which the special routines are proved, and for boxes without rounding.
 bool is_plain(const Geometry& g) {
     return g.scale.x == scale_one.x && (g.kind != ShapeKind::box || g.radius == Length{});
 }
@@ -40,7 +40,7 @@ bool is_near(const CoordinateVec3& p, Coordinate limit) {
 
 } // namespace
 
-/// d is split in two so that all products fit 64 bits: d = high 2^16 + low.
+/// d is split as high 2^16 + low, so that all products fit 64 bits.
 CoordinateVec3 into_frame(const Rotation& r, Vec3 d) {
     const Long3 d_32 = raw(d);
     constexpr std::int64_t reach = std::int64_t{32768} << Real::fraction_bits;
@@ -57,7 +57,8 @@ CoordinateVec3 into_frame(const Rotation& r, Vec3 d) {
 
 namespace {
 
-/// The routine of two solids where it is proved for them; else null.
+/// The special routine for two solids, if there is one and it is proved for their sizes and distance; else
+/// null.
 Routine routine_of(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose) {
     const Routine found = routine_of(a.geometry.kind, b.geometry.kind);
     const bool fits = is_plain(a.geometry) && is_plain(b.geometry) && is_near(pose.position, Coordinate(128));
@@ -113,7 +114,7 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
     out.count = 0;
     out.apart = UnitVec3{};
     if (!is_near(pose.position, relative_position_max)) return;
-    if (kind_b > ShapeKind::compound) return; // of two of height field, mesh and plane there is no contact
+    if (kind_b > ShapeKind::compound) return; // two of height field, mesh and plane have no contacts
     if (kind_b == ShapeKind::compound || kind_a == ShapeKind::compound)
         return collide_compound(a, b, pose, margin, scratch, out);
     if (kind_a == ShapeKind::height_field || kind_a == ShapeKind::mesh)
@@ -133,7 +134,7 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
 
 namespace {
 
-/// Whether a solid's reach along a direction is told below.
+/// True when reach_along below supports the solid.
 bool tells_reach(const shapes::Solid& solid) {
     const ShapeKind kind = solid.geometry.kind;
     if (kind == ShapeKind::hull) return true;
@@ -142,7 +143,8 @@ bool tells_reach(const shapes::Solid& solid) {
            is_plain(solid.geometry);
 }
 
-/// How far a sphere, capsule, cylinder, box or hull reaches from its origin along a unit direction in its axes, 54 fraction bits.
+/// Reach of a sphere, capsule, cylinder, box or hull from its origin along a unit direction in its axes, 54
+/// fraction bits.
 std::int64_t reach_along(const shapes::Solid& solid, Long3 n_30) {
     const Geometry& g = solid.geometry;
     std::int64_t reach = up(g.radius.raw, 30);
@@ -161,7 +163,8 @@ std::int64_t reach_along(const shapes::Solid& solid, Long3 n_30) {
 
 bool are_parted(const PlacedSolid& a, const PlacedSolid& b, UnitVec3 axis, Length margin) {
     if (!tells_reach(a.solid) || !tells_reach(b.solid)) return false;
-    // So that all sums stay below 2^63: 111 m between the two, and twice the 174 m that a shape reaches at most.
+    // All sums must stay below 2^63: at most 111 m between the two shapes, and twice the 174 m that a shape
+    // reaches at most.
     constexpr std::int64_t far_32 = std::int64_t{64} << Real::fraction_bits;
     constexpr Length spare = decimal<Length>("0.001");
     const Long3 way_32 = raw(b.position - a.position);

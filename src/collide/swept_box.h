@@ -1,4 +1,4 @@
-// A box that moves along a segment, in the broad phase's integers: a ray when it has no size.
+// A box that moves along a segment, in the integers of the broad phase. With size zero it is a ray.
 #pragma once
 
 #include "collide/bounds.h"
@@ -7,10 +7,11 @@
 
 namespace lockstone::collide {
 
-/// Says for any bounds whether the moving box may meet them: never no when it does, and seldom yes when it does not.
+/// Tests whether the moving box may meet given bounds. It never returns false when they meet, and seldom
+/// returns true when they do not.
 class SweptBox {
   public:
-    /// From `begin` to `end`, both of the same size up to a rounding.
+    /// From `begin` to `end`. Both must have the same size, up to rounding.
     SweptBox(const Bounds& begin, const Bounds& end) : hull(merge(begin, end)) {
         for (int i = 0; i < 3; ++i) {
             const std::int64_t low = begin.lower[i].raw, high = begin.upper[i].raw;
@@ -19,7 +20,7 @@ class SweptBox {
             half_way[i] = (low_end + high_end - low - high) >> 2;
             half_size[i] = (high - low > high_end - low_end ? high - low : high_end - low_end) / 2 + 2;
             is_short &= (half_way[i] < 0 ? -half_way[i] : half_way[i]) <= half_size[i];
-            // On the border of the range positions are clamped, and the direction is not known.
+            // At the border of the range positions are clamped, so the direction of motion is unknown.
             is_clamped |= hull.lower[i] == Bound::min() || hull.upper[i] == Bound::max();
         }
     }
@@ -50,15 +51,15 @@ class SweptBox {
         return true;
     }
 
-    /// The same, asked of the nodes above: a box that moves by less than its size is compared by bounds alone. That is quicker, and a node is
-    /// entered in vain more often.
+    /// `may_meet` for inner nodes of the tree. A box that moves by less than its size is compared by bounds
+    /// alone: this is faster, but enters a few more nodes that hold no result.
     bool may_meet_node(const Bounds& b) const { return is_short ? overlap(hull, b) : may_meet(b); }
 
   private:
     Bounds hull;
     std::int64_t middle[3], half_way[3], half_size[3];
     bool is_clamped = false;
-    bool is_short = true; ///< it moves by no more than its own size along each axis
+    bool is_short = true; ///< it moves by at most its own size along each axis
 };
 
 } // namespace lockstone::collide

@@ -6,7 +6,8 @@
 namespace lockstone::detail {
 namespace {
 
-/// The fraction `rest` / 2^bits, digit by digit: each multiplication by ten pushes the next digit over the point.
+/// The fraction `rest` / 2^bits, digit by digit: each multiplication by ten moves the next digit in front of the
+/// point.
 struct DigitSource {
     std::uint64_t rest;
     int bits;
@@ -31,7 +32,7 @@ DecimalText decimal_text(std::int64_t raw, int fraction_bits, DecimalForm form) 
     const int bits = fraction_bits + 1;
     const std::uint64_t one = std::uint64_t{1} << fraction_bits << 1; // 0 for 63 fraction bits: 2^64
     DigitSource digits{(size << 1) & (one - 1), bits};
-    const bool inclusive = (size & 1) == 0; // half a step away reads back as the even neighbour
+    const bool inclusive = (size & 1) == 0; // half a step away, a decimal reads back as the even neighbour
     Wide half_step = Wide::from(1);
     if (digits.rest != 0) *out++ = '.';
     while (digits.rest != 0) {

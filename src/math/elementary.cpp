@@ -1,4 +1,4 @@
-// Argument reduction by tables, then short Taylor series with integer coefficients; rounded once at the end.
+// Argument reduction by tables, then short Taylor series with integer coefficients; one rounding at the end.
 #include "math/elementary.h"
 
 #include "math/tables.h"
@@ -21,7 +21,7 @@ constexpr std::int64_t alternating(const std::array<std::int64_t, N>& c, std::in
     return sum;
 }
 
-// 1/1!, 1/3!, .. 1/15! and 1/0!, 1/2!, .. 1/16!: what is left out is below 2^-54.
+// 1/1!, 1/3!, .. 1/15! and 1/0!, 1/2!, .. 1/16!: the remaining terms are below 2^-54.
 constexpr std::array<std::int64_t, 8> sin_series = [] {
     std::array<std::int64_t, 8> c{};
     for (int i = 0; i < 8; ++i) c[static_cast<std::size_t>(i)] = one / factorial(2 * i + 1);
@@ -71,7 +71,7 @@ Logarithm logarithm(std::uint64_t raw) {
 } // namespace
 
 SinCos62 sin_cos_62(std::int64_t raw, int fraction_bits) {
-    // raw = quadrant * pi / 2 + r with |r| <= pi / 4; pi / 2 is taken with 124 bits.
+    // raw = quadrant * pi / 2 + r with |r| <= pi / 4; pi / 2 has 124 bits.
     const std::int64_t quadrant = narrow_rounded(Wide::product(raw, table::two_over_pi), 62 + fraction_bits);
     const std::int64_t r =
         low_half((Wide::from(raw) << (62 - fraction_bits)) - Wide::product(quadrant, table::half_pi) -
@@ -184,7 +184,7 @@ namespace {
 Real pow_positive(std::uint64_t raw, Real y) {
     namespace table = detail::table;
     const detail::Logarithm l = detail::logarithm(raw);
-    // With an exponent |log2 x| is at least 1/2, so such a y is out of range already, and below it all fits.
+    // With an exponent, |log2 x| is at least 1/2, so such a y is out of range already; below it, all products fit.
     if (l.exponent != 0 && (y >= Real(256) || y <= Real(-256)))
         return (l.exponent > 0) == (y.raw > 0) ? Real::max() : Real{};
     const std::int64_t fraction = detail::mul62(l.ln, table::log2_e);

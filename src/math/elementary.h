@@ -19,13 +19,14 @@ SinCos62 sin_cos_62(std::int64_t raw, int fraction_bits);
 /// The angle of (x, y) with 60 fraction bits, within 2^-57; x and y share any scale. 0 for (0, 0).
 std::int64_t atan2_60(std::int64_t y, std::int64_t x);
 
-/// Of integrate_rotation where no component of the turn reaches 1 / 8: what the solver's lanes share with it.
+/// Constants of integrate_rotation for rotations whose components are all below 1 / 8. The solver's lanes use them
+/// too.
 struct SmallTurn {
     static constexpr int least_bits = 3;
-    /// Of the series, with 30 fraction bits.
+    /// coefficients of the series, with 30 fraction bits
     static constexpr std::int64_t half = 1 << 29, sixth = 178956971, one_of_24 = 44739243,
                                   one_of_120 = 8947849, one_of_720 = 1491308, one_of_5040 = 213044;
-    /// Of |q|^2 from 1, with 60 fraction bits: beyond, q is normalized by a root.
+    /// The greatest difference of |q|^2 from 1, with 60 fraction bits; beyond it, a square root normalizes q.
     static constexpr std::int64_t length_error = std::int64_t{1} << 40;
 };
 

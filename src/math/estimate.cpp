@@ -16,7 +16,7 @@ std::uint64_t isqrt_estimated(std::uint64_t n) { return isqrt_from(estimate_sqrt
 
 std::uint64_t isqrt_estimated(std::uint64_t high, std::uint64_t low) {
     if (high == 0) return isqrt_estimated(low);
-    // Below 2^104 the root fits the guess's 53 bits; above, half of it is guessed and half divided out.
+    // Below 2^104 the root fits the guess's 53 bits; above, half of it is guessed and half comes from a division.
     if (high < (std::uint64_t{1} << 40)) return isqrt_from(estimate_sqrt(high, low), high, low);
     return isqrt_128(high, low, [](std::uint64_t n) { return isqrt_from(estimate_sqrt(n), n); });
 }

@@ -1,7 +1,7 @@
-// The only floating point of the simulation: first guesses for roots. A guess is never a result. roots.h accepts
-// one only after exact integer arithmetic has proved or repaired it, so rounding modes, flushed denormals,
-// -ffast-math, x87 precision and contraction can change the time a root takes, never its bits.
-// LOCKSTONE_NO_DOUBLE=1 takes the integer twins of math.h instead.
+// The only floating point of the simulation: first guesses for roots. A guess is never a result: roots.h accepts one
+// only after exact integer arithmetic has proved or repaired it. So rounding modes, flushed denormals, -ffast-math,
+// x87 precision and contraction can change the time a root takes, never its bits.
+// LOCKSTONE_NO_DOUBLE=1 selects the integer versions in math.h instead.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,8 @@
 
 namespace lockstone::detail {
 
-// Signed conversions, because most processors have no unsigned one; an odd last bit matters to the proof, not here.
+// Signed conversions, because most processors have no unsigned one. An odd last bit matters to the proof, not to the
+// guess.
 
 /// About sqrt(n).
 inline std::uint64_t estimate_sqrt(std::uint64_t n) {

@@ -1,5 +1,5 @@
-// Small matrices as block floating point: 61-bit integers with one common power of two, so neither masses of grams
-// nor of kilotons lose digits before the one rounding at the end.
+// Small matrices as block floating point: 61-bit integers with one common power of two, so masses of grams and of
+// kilotons keep their digits until the one rounding at the end.
 #include "math/elementary.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct Scaled3x3 {
     int shift; ///< m = raw * 2^shift
 };
 
-/// The largest entry gets `bits` bits.
+/// Scales the matrix so that its largest entry has `bits` bits.
 Scaled3x3 scaled_to(const Mat3& a, int bits) {
     std::uint64_t all = 0;
     for (const Vec3& c : {a.x, a.y, a.z}) all |= magnitude(c.x.raw) | magnitude(c.y.raw) | magnitude(c.z.raw);
@@ -123,7 +123,7 @@ Turn clearing(std::int64_t a, std::int64_t b, std::int64_t c) {
     return {tangent, cosine, detail::mul62(tangent, cosine)};
 }
 
-/// Columns p and q turned by t.
+/// Rotates the columns p and q by t.
 void turn_columns(Integers3x3& m, std::size_t p, std::size_t q, const Turn& t) {
     for (std::size_t r = 0; r < 3; ++r) {
         const std::int64_t a = m[p][r], b = m[q][r];
@@ -138,7 +138,7 @@ void turn_columns(Integers3x3& m, std::size_t p, std::size_t q, const Turn& t) {
 Diagonal diagonalize(const Mat3& symmetric) {
     constexpr int sweeps = 10;
     Mat3 a = symmetric;
-    a.x.y = a.y.x, a.x.z = a.z.x, a.y.z = a.z.y; // the upper triangle decides
+    a.x.y = a.y.x, a.x.z = a.z.x, a.y.z = a.z.y; // only the upper triangle of the input counts
     const Scaled3x3 s = scaled_to(a, 58);
     Integers3x3 m = s.m;
     const std::int64_t one = std::int64_t{1} << 60;

@@ -1,11 +1,11 @@
-// Exact roots from any guess. Each takes the guess as an argument, so tests can hand in bad ones.
+// Exact roots from any guess. Each function takes the guess as an argument, so tests can pass bad guesses.
 #pragma once
 
 #include "lockstone/math/math.h"
 
 namespace lockstone::detail {
 
-/// floor(sqrt(n)). The guess is proved, or repaired by one, or dropped.
+/// floor(sqrt(n)). The function proves the guess, corrects it by one, or ignores it.
 inline std::uint64_t isqrt_from(std::uint64_t guess, std::uint64_t n) {
     std::uint64_t s = guess > 0xffffffffu ? 0xffffffffu : guess;
     // s is the root exactly when 0 <= n - s^2 <= 2 s. A negative difference wraps to more than 2 s.
@@ -18,7 +18,8 @@ inline std::uint64_t isqrt_from(std::uint64_t guess, std::uint64_t n) {
     return isqrt_integer(n);
 }
 
-/// Replaces numbers that are not negative by floor(sqrt(n)), many at once: processors take several roots at the same time.
+/// Replaces each number of a list that is not negative by floor(sqrt(n)): processors compute several roots at the
+/// same time.
 void take_roots(std::int64_t* n, std::size_t count);
 
 /// floor(sqrt(high * 2^64 + low)) for high < 2^40.

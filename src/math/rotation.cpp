@@ -1,4 +1,4 @@
-// Quaternions from and to other descriptions. Products are kept in about 60 bits; normalized_quat rounds once.
+// Quaternions from and to other representations. Products have about 60 bits; normalized_quat rounds once.
 #include "math/elementary.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ std::int64_t mul_shift(std::int64_t a, std::int64_t b, int n) {
     return static_cast<std::int64_t>((Wide::product(a, b) >> n).low_bits());
 }
 
-/// Keeps a square sum of four in 127 bits, also when the input is no unit quaternion.
+/// Keeps the sum of four squares in 127 bits, also if the input is no unit quaternion.
 std::int64_t bounded(std::int64_t v) {
     constexpr std::int64_t limit = (std::int64_t{1} << 62) - 1;
     return std::clamp(v, -limit, limit);
@@ -54,7 +54,7 @@ Quat from_to(UnitVec3 a, UnitVec3 b) {
         const UnitVec3 p = any_perpendicular(a);
         return {p.x, p.y, p.z, Unit{}};
     }
-    // (a x b, |a| |b| + a . b), with the lengths as they are: taking them for 1 would lose nearly opposite vectors.
+    // (a x b, |a| |b| + a . b), with the actual lengths: an assumed length of 1 would lose nearly opposite vectors.
     const Wide lengths = Wide::product_unsigned(detail::square_sum(a).low, detail::square_sum(b).low);
     const std::uint64_t both =
         detail::isqrt(static_cast<std::uint64_t>(lengths.high_bits()), lengths.low_bits());
@@ -106,7 +106,7 @@ Quat slerp(Quat a, Quat b, Real t) {
         together += square(std::int64_t{p.raw} + q.raw);
     }
     if (apart == 0) return a;
-    // The angle between them from chord and sum is accurate for small angles, where acos of the dot is not.
+    // The angle between them from chord and sum: accurate for small angles, where acos of the dot product is not.
     const std::int64_t angle = 2 * detail::atan2_60(detail::sqrt_60(apart), detail::sqrt_60(together));
     const std::int64_t part = mul_shift(angle, clamp(t, Real{}, Real(1)).raw, Real::fraction_bits);
     const std::int64_t sa = detail::sin_cos_62(angle - part, 60).sin, sb = detail::sin_cos_62(part, 60).sin;
@@ -133,11 +133,11 @@ std::int64_t scaled(std::int64_t v, int drop) {
     return drop >= 0 ? shift_right_rounded(v, drop) : v * (std::int64_t{1} << -drop);
 }
 
-/// The unit quaternion along one of 46 fraction bits whose length is 1 to within 2^-21; others take the long way.
-/// With |q|^2 = 1 + e it is q (1 - e / 2), to 3/8 e^2.
+/// The unit quaternion along a quaternion of 46 fraction bits whose length is 1 to within 2^-21; others take the
+/// slower path. With |q|^2 = 1 + e it is q (1 - e / 2), with an error of 3/8 e^2.
 Quat nearly_normalized(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t w) {
-    // e to 60 bits: of q = c 2^16 + r the squares of c, and the cross products.
-    std::uint64_t squares = 0; // modulo 2^64, which four of the longest are
+    // e with 60 bits, from the squares of c and the cross products, where q = c 2^16 + r.
+    std::uint64_t squares = 0; // modulo 2^64: the sum reaches 2^64 for the longest quaternions
     std::int64_t cross = 0;
     for (const std::int64_t p : {x, y, z, w}) {
         const std::int64_t c = p >> 16, r = p & 0xffff;
@@ -154,9 +154,9 @@ Quat nearly_normalized(std::int64_t x, std::int64_t y, std::int64_t z, std::int6
     return {one(x), one(y), one(z), one(w)};
 }
 
-/// A turn of less than 1/4 rad: h = v / 2 has 34 fraction bits and |h| < 2^-3.2. exp(h) = (h sinc, cosine) with the first
-/// terms of each series: what is left out is below 2^-41. All products are of 32-bit numbers, so that lanes do the same:
-/// solve/bodies/turn_kernel.h.
+/// A turn of less than 1/4 rad: h = v / 2 has 34 fraction bits and |h| < 2^-3.2. exp(h) = (h sinc, cosine) with the
+/// first terms of each series: the remaining terms are below 2^-41. All products are of 32-bit numbers, so that lanes
+/// compute the same: solve/bodies/turn_kernel.h.
 Quat turned_slightly(Quat q, std::int64_t hx, std::int64_t hy, std::int64_t hz) {
     using T = SmallTurn;
     const std::int64_t z = (hx * hx + hy * hy + hz * hz) >> 32; // |h|^2, 36 bits
@@ -175,9 +175,9 @@ Quat turned_slightly(Quat q, std::int64_t hx, std::int64_t hy, std::int64_t hz) 
                              moved(qz, hx * qy - hy * qx + hz * qw), moved(qw, -hx * qx - hy * qy - hz * qz));
 }
 
-/// Any turn. `v` has `fraction_bits` and a component of at least 1/16.
+/// A turn of any angle. `v` has `fraction_bits` and a component of at least 1/16.
 Quat turned(Quat q, std::array<std::int64_t, 3> v, int fraction_bits) {
-    // Exactly scaled to 54 bits where it was shorter; to 61 where it is longer than that.
+    // Scaled exactly to 54 bits if it is shorter; to 61 bits if it is longer than that.
     const int bits = bit_length(magnitude(v[0]) | magnitude(v[1]) | magnitude(v[2]));
     const int spare = bits < 54 ? 54 - bits : bits > 61 ? 61 - bits : 0;
     for (std::int64_t& c : v) c = scaled(c, -spare);

@@ -7,7 +7,7 @@ namespace lockstone::detail::table {
 
 inline constexpr int fraction_bits = 62;
 
-/// pi / 2 = half_pi / 2^62 + half_pi_rest / 2^124; ln(2) / 16 likewise.
+/// pi / 2 = half_pi / 2^62 + half_pi_rest / 2^124; the two constants of ln(2) / 16 have the same form.
 inline constexpr std::int64_t half_pi = 7244019458077122842, half_pi_rest = 1772391103515558810;
 inline constexpr std::int64_t ln2_16th = 199786072581291494, ln2_16th_rest = 3155303374438789879;
 

@@ -1,4 +1,4 @@
-// What definitions, inputs and rows of characters may say.
+// Checks of the definitions, inputs and rows of characters.
 #include "model/character_row.h"
 #include "model/fields.h"
 

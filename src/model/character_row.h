@@ -1,4 +1,4 @@
-// A character's state. src/solve/vehicles has that of vehicles.
+// The row of a character. The rows of vehicles are in src/solve/vehicles.
 #pragma once
 
 #include "lockstone/play/character.h"
@@ -22,7 +22,7 @@ template <class V> constexpr void describe(CharacterRow& r, V&& v) {
 }
 static_assert(StateRow<CharacterRow>);
 
-/// Numbers of a row from outside; empty when good, else what is wrong.
+/// Checks the numbers of a row from outside. Returns an empty text if they are valid, else the error.
 std::string check(const CharacterRow& row);
 std::string check(const CharacterInput& input);
 

@@ -1,5 +1,5 @@
-// A state that came from a file or a peer is checked as a whole before it becomes a world's: every index that the tick
-// follows must stay inside its table, or a crafted image could make it read anywhere.
+// Checks a state from a file or a peer as a whole before a world takes it over. Every index that a tick follows must
+// lie inside its table, or a crafted image could make it read outside of it.
 #include "base/text.h"
 #include "collide/narrow_phase.h"
 #include "lockstone/math/decimal.h"
@@ -20,7 +20,7 @@ Error bad(std::string_view column, std::size_t row, std::string_view why) {
     return {join("portable image: ", column, " row ", row, ": ", why)};
 }
 
-/// Living slots and rows name each other; the free list visits each free slot once.
+/// Checks that living slots and rows refer to each other, and that the free list visits each free slot once.
 template <class IdOfRow>
 Status check_slots(std::string_view name, std::span<const Slot> slots, std::size_t rows,
                    std::uint32_t first_free, IdOfRow id_of) {
@@ -53,7 +53,8 @@ bool unit_like(Quat q) {
 
 bool unit_like(UnitVec3 v) { return unit_like(Quat{v.x, v.y, v.z, Unit{}}); }
 
-/// Of the rows that are compared before one is made, no two that are used are alike; and free rows are zero.
+/// Checks that free rows are zero, and that no two used rows are equal, among the rows that are compared before a new
+/// one is made.
 template <class T> Status check_shared_rows(std::string_view name, const State& s, const SharedTable<T>& t) {
     const std::span<const T> rows = s.rows(t.row);
     const std::span<const SharedUses> uses = s.rows(t.uses);
@@ -74,7 +75,8 @@ template <class T> Status check_shared_rows(std::string_view name, const State& 
     return {};
 }
 
-/// Each row that is used is by as many as it says, and the free list visits each other row once. `named`: a row for each user.
+/// Checks that each used row has as many users as it says, and that the free list visits each other row once.
+/// `named`: the row of each user.
 template <class T>
 Status check_shared(std::string_view name, const State& s, const SharedTable<T>& t,
                     const std::vector<std::uint32_t>& named, std::uint32_t first_free) {
@@ -97,7 +99,7 @@ Status check_shared(std::string_view name, const State& s, const SharedTable<T>&
     return check_shared_rows(name, s, t);
 }
 
-/// Empty when a body may be like that.
+/// Returns an empty text if a body may have these traits, else the error.
 std::string check_traits(const BodyTraits& t) {
     BodyDef def;
     copy_named(t, def);
@@ -117,7 +119,7 @@ std::string check_traits(const BodyTraits& t) {
     return {};
 }
 
-/// Each force pushes a body, which knows it.
+/// Checks that each force belongs to a body that refers to it.
 Status check_forces(const Manifest& m, const State& s) {
     const std::span<const std::uint32_t> pushed = s.rows(m.pushed), pushes = s.rows(m.body_push);
     const std::span<const Slot> slots = s.rows(m.body_slot);
@@ -162,7 +164,7 @@ Status check_fields(const Manifest& m, const State& s) {
     return {};
 }
 
-/// Empty when a shape may be like that.
+/// Returns an empty text if a shape may have these traits, else the error.
 std::string check_traits(shapes::SolidCache& solids, const ShapeTraits& t) {
     if (std::string e = validate(t.geometry); !e.empty()) return e;
     if (const Result<shapes::Solid> solid = solids.resolve(t.geometry); !solid) return solid.error().message;
@@ -171,7 +173,7 @@ std::string check_traits(shapes::SolidCache& solids, const ShapeTraits& t) {
     return check_ranges(def);
 }
 
-/// Empty when a body of the kind can have the geometry.
+/// Returns an empty text if this kind of body can have the geometry.
 std::string check_kind(const Geometry& g, BodyKind kind) {
     if (g.kind == ShapeKind::plane && kind != BodyKind::static_) return "a plane on a body that moves";
     if ((g.kind == ShapeKind::mesh || g.kind == ShapeKind::height_field) && kind == BodyKind::dynamic)
@@ -181,7 +183,7 @@ std::string check_kind(const Geometry& g, BodyKind kind) {
     return {};
 }
 
-/// Each body's shape list holds exactly its own shapes.
+/// Checks that each body's shape list holds exactly its own shapes.
 Status check_shape_lists(const Manifest& m, const State& s) {
     const std::span<const ShapeRow> shapes = s.rows(m.shape);
     const std::span<const Slot> slots = s.rows(m.shape_slot);
@@ -225,7 +227,7 @@ Status check_shapes(shapes::SolidCache& solids, const Manifest& m, const State& 
     return check_shape_lists(m, s);
 }
 
-/// Points and the rest are as many as the contacts say, so that each contact finds its own.
+/// Checks that there are as many points and further rows as the contacts say, so that each contact finds its own.
 Status check_contact_parts(const State& s, const ContactTables& t) {
     std::size_t points = 0, more = 0;
     const std::span<const ContactRow> rows = s.rows(t.memory);
@@ -244,7 +246,7 @@ Status check_contact_parts(const State& s, const ContactTables& t) {
     return {};
 }
 
-/// Empty when a row of a pair may have these flags beside those of the pair's first row.
+/// Returns an empty text if a row of a pair may have these flags, given the flags of the pair's first row.
 std::string check_flags(std::uint32_t flags, std::uint32_t of_first, bool is_first) {
     constexpr std::uint32_t of_pair = solve::contact_sensor | solve::contact_sensor_is_b |
                                       solve::contact_flipped | solve::contact_passing,
@@ -283,7 +285,7 @@ Status check_contacts(const Manifest& m, const State& s, const ContactTables& t)
     return check_contact_parts(s, t);
 }
 
-/// Each body's joint list holds exactly its own joints.
+/// Checks that each body's joint list holds exactly its own joints.
 Status check_joints(const Manifest& m, const State& s) {
     const std::span<const JointRow> joints = s.rows(m.joint);
     const std::span<const Slot> slots = s.rows(m.joint_slot), body_slots = s.rows(m.body_slot);
@@ -313,7 +315,8 @@ Status check_joints(const Manifest& m, const State& s) {
     return {};
 }
 
-/// Of shapes that live, on bodies that rest; with the others they fit the table.
+/// Checks that the contacts of resting bodies belong to living shapes, and fit the table together with the other
+/// contacts.
 Status check_sleeping_contacts(const Manifest& m, const State& s) {
     const std::span<const ContactKey> keys = s.rows(m.sleeping_contacts.key);
     const std::span<const Slot> slots = s.rows(m.shape_slot), body_slots = s.rows(m.body_slot);
@@ -331,7 +334,7 @@ Status check_sleeping_contacts(const Manifest& m, const State& s) {
     return {};
 }
 
-/// What is awake stands first; rings of sleeping islands are closed; contacts stand in the right table.
+/// Checks that awake bodies come first, and that the rings of sleeping islands are closed.
 Status check_sleep(const Manifest& m, const State& s) {
     const Header& h = s.rows(m.header)[0];
     const std::span<const BodyInfo> info = s.rows(m.body_info);
@@ -339,8 +342,8 @@ Status check_sleep(const Manifest& m, const State& s) {
     const std::span<const Slot> slots = s.rows(m.body_slot);
     if (h.bodies_awake > info.size() || h.joints_awake > s.count(m.joints))
         return bad("world.header", 0, "more is awake than there is");
-    // Each member leads to a higher slot, or back to the lowest slot of its island. So, where no two members lead to one, the members of an
-    // island are one ring.
+    // Each member links to a higher slot, or back to the lowest slot of its island. So if no two members link to the
+    // same one, the members of an island form one ring.
     std::vector<bool> is_next(slots.size());
     for (std::size_t i = 0; i < info.size(); ++i) {
         const bool in_ring = sleep[i].next != 0;
@@ -365,7 +368,7 @@ Status check_sleep(const Manifest& m, const State& s) {
     return {};
 }
 
-/// Joints of which a body is awake stand first, those of resting bodies behind them.
+/// Checks that joints with an awake body come first, and the joints of resting bodies after them.
 Status check_joints_awake(const Manifest& m, const State& s) {
     const Header& h = s.rows(m.header)[0];
     const std::span<const JointRow> joints = s.rows(m.joint);
@@ -381,7 +384,7 @@ Status check_joints_awake(const Manifest& m, const State& s) {
     return {};
 }
 
-/// Each stands on a dynamic body of its own.
+/// Checks that each vehicle has its own dynamic body.
 Status check_vehicles(const Manifest& m, const State& s) {
     const std::span<const VehicleRow> rows = s.rows(m.vehicle);
     const std::span<const VehicleMemory> memories = s.rows(m.vehicle_memory);
@@ -407,7 +410,7 @@ Status check_vehicles(const Manifest& m, const State& s) {
     return {};
 }
 
-/// Each character has a body that no other has, and a capsule on it.
+/// Checks that each character has a body that no other character has, and a capsule on it.
 Status check_characters(const Manifest& m, const State& s) {
     const std::span<const Slot> body_slots = s.rows(m.body_slot), shape_slots = s.rows(m.shape_slot);
     const std::span<const CharacterRow> rows = s.rows(m.character);

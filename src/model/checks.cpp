@@ -40,7 +40,7 @@ std::string check(const BodyDef& d) {
     return check_range("mass", d.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
 }
 
-/// Empty when the kind of body can have the geometry.
+/// Returns an empty text if this kind of body can have the geometry.
 static std::string check_body_kind(const Geometry& g, BodyKind kind) {
     if (g.kind == ShapeKind::plane && kind != BodyKind::static_) return "a plane needs a static body";
     if ((g.kind == ShapeKind::mesh || g.kind == ShapeKind::height_field) && kind == BodyKind::dynamic)
@@ -75,7 +75,7 @@ std::string check(const FieldDef& d) {
 
 std::string check(const ExplosionDef& d) { return check_ranges(d); }
 
-/// How its fields have to be to each other and to the axis that it is.
+/// Checks the relations between the fields of an axis, for the axis with this index.
 static std::string check_relations(const JointAxis& d, std::uint32_t index) {
     if (d.lower > d.upper)
         return join("lower is ", to_string(d.lower), ", more than upper, ", to_string(d.upper));

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int beyond_bits = 32; // Length and Coordinate have the same step
 
-/// What the lower 32 bits, their sign extended, leave out.
+/// The part of a coordinate that its lower 32 bits, sign extended, do not hold.
 std::int32_t beyond(Coordinate at) {
     const std::uint64_t raw = static_cast<std::uint64_t>(at.raw);
     return static_cast<std::int32_t>(
@@ -30,7 +30,7 @@ ContactMore more_of(const ContactMemory& m) {
             m.piece_b};
 }
 
-/// Whether anything of more_of() is not zero.
+/// Returns true if any field of more_of() is not zero.
 bool has_more(const ContactMemory& m) {
     const auto far = [](Coordinate at) { return at.raw ^ static_cast<std::int32_t>(at.raw); };
     const std::int64_t any = far(m.made_position.x) | far(m.made_position.y) | far(m.made_position.z) |
@@ -81,18 +81,18 @@ void take_more(const ContactMore& more, ContactMemory& m) {
     m.piece_a = more.piece_a, m.piece_b = more.piece_b;
 }
 
-/// In halves, which compilers copy without a call.
+/// Copies in halves, which compilers do without a call.
 void copy_four(const ContactPointMemory* from, ContactPointMemory* to) {
     std::memcpy(to, from, 2 * sizeof *from);
     std::memcpy(to + 2, from + 2, 2 * sizeof *from);
 }
 
-/// Adds what the rows of a contact are.
+/// Adds the row counts of a contact.
 void add_rows(const ContactMemory& m, ContactsBegin& rows) {
     rows.points += m.count, rows.more += has_more(m) ? 1u : 0u;
 }
 
-/// By words: the memcmp of WebAssembly's C library goes byte by byte, and takes 1 % of a tick.
+/// Compares words: the memcmp of WebAssembly's C library goes byte by byte, which costs a measurable part of a tick.
 bool are_same(std::span<const ContactKey> a, std::span<const ContactKey> b) {
     using Words = std::array<std::uint64_t, sizeof(ContactKey) / sizeof(std::uint64_t)>;
     std::uint64_t differs = 0;
@@ -103,14 +103,14 @@ bool are_same(std::span<const ContactKey> a, std::span<const ContactKey> b) {
     return differs == 0;
 }
 
-/// Keys that are what they were are not written: their pages are not saved and hashed again.
+/// Leaves equal keys unwritten, so that their pages need not be saved and hashed again.
 void write_keys(State& state, const ContactTables& to, const ContactList& list) {
     const std::span<const ContactKey> now = state.rows(to.key);
     if (now.empty() || are_same(now, list.keys)) return;
     std::memcpy(state.edit(to.key).data(), list.keys.data(), now.size_bytes());
 }
 
-/// The tables, as long as they are to be, and written to.
+/// The tables, resized and open for writing.
 struct Written {
     ContactRow* rows;
     ContactPointMemory* points;
@@ -123,7 +123,7 @@ struct Written {
         rows = state.edit(to.memory).data(), points = state.edit(to.point).data();
         mores = state.edit(to.beyond).data();
     }
-    /// Contacts [first, last), whose other rows are those from `begin` to `end`.
+    /// Writes contacts [first, last). Their rows of `points` and `more` are those from `begin` to `end`.
     void put(const ContactList& list, std::uint32_t first, std::uint32_t last, ContactsBegin begin,
              ContactsBegin end) const {
         ContactPointMemory* point = points + begin.points;
@@ -135,7 +135,7 @@ struct Written {
             const bool has = any_has_more && has_more(m);
             put_row(m, has, rows[i]);
             if (end_point - point >= static_cast<std::ptrdiff_t>(m.points.size()))
-                copy_four(m.points.data(), point); // fast; those of the next write over what is too much
+                copy_four(m.points.data(), point); // fast; the next contact's points overwrite the excess
             else
                 std::copy_n(m.points.begin(), m.count, point);
             point += m.count;

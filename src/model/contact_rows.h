@@ -1,4 +1,4 @@
-// Contact tables: how the state holds what contacts remember, and how the tick takes it from there.
+// Contact tables: the form in which the state stores contacts, and the list on which a tick works.
 #pragma once
 
 #include "base/paths.h"
@@ -17,7 +17,8 @@ using solve::ContactMore;
 using solve::ContactPointMemory;
 using solve::ContactRow;
 
-/// Contacts by row: a key and a ContactRow each. The rows of `points` and `more` belong to them in order, as many as each says.
+/// Contacts by row: a key and a ContactRow each. The rows of `points` and `more` belong to the contacts in order;
+/// each ContactRow holds how many are its own.
 struct ContactTables {
     TableId contacts, points, more;
     Column<ContactKey> key;
@@ -26,7 +27,7 @@ struct ContactTables {
     Column<ContactMore> beyond;
 };
 
-/// Contacts as the tick works on them.
+/// Contacts in the form on which a tick works.
 struct ContactList {
     std::vector<ContactKey> keys;
     std::vector<ContactMemory> memories;
@@ -35,35 +36,35 @@ struct ContactList {
     void reserve(std::size_t rows) { keys.reserve(rows), memories.reserve(rows); }
 };
 
-/// All contacts of the tables. What a broken state promises and does not hold is zero.
+/// Reads all contacts of the tables. Fields that a broken state declares but does not hold become zero.
 void read_contacts(const State& state, const ContactTables& from, ContactList& out);
-/// The tables are to hold these contacts and no others; at most the rows_max of `contacts` (asserted).
+/// Replaces the contents of the tables by these contacts; at most the rows_max of `contacts` (asserted).
 void write_contacts(State& state, const ContactTables& to, const ContactList& list);
-/// Where the rows of `points` and `more` of some contacts begin.
+/// First rows of some contacts in `points` and `more`.
 struct ContactsBegin {
     std::uint32_t points = 0, more = 0;
 };
 
-/// The contacts of the last tick, kept: they are read only where the tables are not as they were written. Speed only.
+/// A cache of the contacts of the last tick: reads the tables only if they were written since. Affects speed only.
 class ContactCopy {
   public:
     ContactList list;
     base::Paths paths; ///< of the tick
 
-    /// Makes the list that of the tables.
+    /// Updates the list from the tables.
     void read(const State& state, const ContactTables& from);
-    /// The tables are to hold the list.
+    /// Replaces the contents of the tables by the list.
     void write(State& state, const ContactTables& to, Tasks* tasks);
     void reserve(std::size_t rows);
-    void poison(std::byte with); ///< forgets what it has
+    void poison(std::byte with); ///< empties the cache
 
   private:
-    /// Whether a table was written since the last call.
+    /// Returns true if a table was written since the last call.
     bool has_changed(const State& state, const ContactTables& tables);
 
-    ChangeMark seen; ///< of the tables as the list is
+    ChangeMark seen; ///< state of the tables from which the list comes
     std::vector<RowRange> changed;
-    std::vector<ContactsBegin> begins; ///< of contacts that one worker writes
+    std::vector<ContactsBegin> begins; ///< by chunk of contacts that one worker writes
 };
 
 } // namespace lockstone::sim

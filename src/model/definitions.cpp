@@ -1,5 +1,5 @@
-// Definitions of bodies and shapes as rows of the state, and back. Fields that a row has too go by their names; what is written here
-// is what no row has under its name.
+// Converts definitions of bodies and shapes to rows of the state, and back. copy_named() copies the fields that both
+// have by name; the code here handles the other fields.
 #include "lockstone/math/math.h"
 #include "model/fields.h"
 #include "model/model.h"
@@ -44,7 +44,7 @@ BodyDef body_def(const Model& w, std::uint32_t row) {
 Transform body_origin(const Model& w, std::uint32_t row) {
     const Transform& pose = w.state.rows(w.m.body_pose)[row];
     const Vec3 center = w.mass_of(row).center;
-    if (center == Vec3{}) return pose; // games ask for many poses in a tick
+    if (center == Vec3{}) return pose; // games read many poses in a tick
     return {pose.position - rotate(pose.rotation, center), pose.rotation};
 }
 

@@ -1,5 +1,5 @@
-// What follows from the one list of a definition's fields (describe): checks, and copies between a definition, the row that holds it
-// and the command that changes it.
+// Functions over the list of a definition's fields (describe): range checks, and copies between a definition, the row
+// that holds it and the command that changes it.
 #pragma once
 
 #include "base/text.h"
@@ -13,11 +13,11 @@
 
 namespace lockstone::sim {
 
-/// Keeps the first complaint about fields that are out of their ranges.
+/// Keeps the first error about fields that are out of range.
 struct RangeCheck {
     std::string error;
 
-    /// A struct's fields have ranges of their own.
+    /// Checks a struct, whose fields have their own ranges.
     template <class F> void operator()(const char* name, F& value, OwnRanges = {}) {
         if constexpr (!Leaf<F>) {
             RangeCheck inner;
@@ -80,21 +80,22 @@ struct RangeCheck {
     }
 };
 
-/// Empty when every field is in its range, else what is wrong.
+/// Returns an empty text if every field is in its range, else the error.
 template <class Def> std::string check_ranges(Def def) {
     RangeCheck check;
     describe(def, check);
     return check.error;
 }
 
-/// Visits the field of that name, if there is one.
+/// Calls visit(field) for the field with this name, if there is one.
 template <class T, class Visit> constexpr void visit_named(T& in, std::string_view name, Visit&& visit) {
     describe(in, [&](const char* other, auto& field) {
         if (name == other) visit(field);
     });
 }
 
-/// Every field of `to` that `from` has too, by name, becomes that one's. Fields of other kinds stay.
+/// Copies every field of `from` to the field of `to` with the same name. Skips pairs of different types, except pairs
+/// of integers.
 template <class From, class To> constexpr void copy_named(From from, To& to) {
     describe(from, [&]<class F>(const char* name, F& value) {
         visit_named(to, name, [&]<class T>(T& target) {
@@ -106,7 +107,7 @@ template <class From, class To> constexpr void copy_named(From from, To& to) {
     });
 }
 
-/// The fields that a command gives (Change) become those of the same names.
+/// Copies the fields that a command gives (Change) to the fields with the same names.
 template <class Command, class To> constexpr void apply_changes(Command command, To& to) {
     describe(command, [&]<class F>(const char* name, F& change) {
         if constexpr (requires { change.given; })

@@ -1,4 +1,4 @@
-// Which bodies and shapes may meet.
+// Filters: which bodies and shapes may collide.
 #include "model/model.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ bool are_joined(const Model& w, BodyId a, BodyId b) {
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
     const std::span<const Slot> slots = w.state.rows(w.m.joint_slot);
     const std::span<const JointRow> joints = w.state.rows(w.m.joint);
-    // Many joints may end at what does not move.
+    // A body that does not move may have many joints, so the function walks the list of the other body.
     std::uint32_t row = w.row_of(a);
     if (info[row].kind == BodyKind::static_) std::swap(a, b), row = w.row_of(a);
     for (std::uint32_t slot = info[row].first_joint; slot != 0;) {
@@ -27,8 +27,9 @@ bool are_joined(const Model& w, BodyId a, BodyId b) {
     return false;
 }
 
-/// A primitive at a scale of 2 to 8, which is static, and a mesh or height field: one of them a sensor. Triangles take shapes of
-/// up to 174 m: beyond, heights over their planes leave 64 bits.
+/// Returns true for a pair of a primitive at a scale of 2 to 8, which is static, and a mesh or height field. In such
+/// a pair one shape is a sensor. Tests against triangles support shapes of up to 174 m; for larger ones, heights over
+/// the planes of triangles exceed 64 bits.
 static bool is_too_large(const ShapeTraits& primitive, const ShapeTraits& terrain) {
     return primitive.geometry.kind <= ShapeKind::box && primitive.geometry.scale != scale_one &&
            (terrain.geometry.kind == ShapeKind::mesh || terrain.geometry.kind == ShapeKind::height_field);

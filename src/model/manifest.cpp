@@ -2,12 +2,13 @@
 
 namespace lockstone::sim {
 
-/// A table that begins without memory and takes it as rows come.
+/// Adds a table that begins without memory and grows with its rows.
 static TableId add_growing(StateLayout& l, std::string name, std::uint32_t rows_max) {
     return l.add_table(std::move(name), 0, rows_max);
 }
 
-/// Objects with ids: the table "body_slots" with its column "body.slot", and the table "bodies", which is returned.
+/// Adds objects with ids: the table "body_slots" with its column "body.slot", and the table "bodies", which is
+/// returned.
 static TableId add_objects(StateLayout& l, const std::string& one, const std::string& many,
                            std::uint32_t rows_max, TableId& slots, Column<Slot>& slot) {
     slots = add_growing(l, one + "_slots", rows_max);
@@ -15,7 +16,7 @@ static TableId add_objects(StateLayout& l, const std::string& one, const std::st
     return add_growing(l, many, rows_max);
 }
 
-/// Rows that many share: "body_traits.row" and "body_traits.uses".
+/// Adds a table of shared rows: "body_traits.row" and "body_traits.uses".
 template <class T>
 static SharedTable<T> add_shared(StateLayout& l, const std::string& name, std::uint32_t rows_max) {
     SharedTable<T> t;
@@ -25,7 +26,7 @@ static SharedTable<T> add_shared(StateLayout& l, const std::string& name, std::u
     return t;
 }
 
-/// Characters and vehicles.
+/// Adds characters and vehicles.
 static void add_bodies_of_play(StateLayout& l, const WorldDef& def, Manifest& m) {
     m.characters =
         add_objects(l, "character", "characters", def.characters_max, m.character_slots, m.character_slot);
@@ -34,7 +35,7 @@ static void add_bodies_of_play(StateLayout& l, const WorldDef& def, Manifest& m)
     m.vehicle = l.add_column<VehicleRow>(m.vehicles, "vehicle.row", Group::definition);
 }
 
-/// "contact" or "sleeping_contact".
+/// Adds contact tables; `one` is "contact" or "sleeping_contact".
 static ContactTables add_contacts(StateLayout& l, const WorldDef& def, const std::string& one) {
     ContactTables t;
     t.contacts = add_growing(l, one + "s", def.contacts_max);

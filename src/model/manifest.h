@@ -26,34 +26,34 @@ using solve::VehicleRow;
 using solve::Velocity;
 using solve::WheelMemory;
 
-/// What a world knows of itself besides its objects.
+/// Data of a world that belongs to no object.
 struct Header {
     std::uint64_t tick;
-    std::uint64_t commands; ///< applied so far
+    std::uint64_t commands; ///< number applied so far
     Vec3 gravity;
     /// First free slot + 1, 0: none
     std::uint32_t body_free, shape_free, field_free, joint_free, character_free, vehicle_free;
     std::uint32_t body_traits_free, shape_traits_free; ///< first free row + 1, 0: none
-    std::uint32_t bodies_awake, joints_awake;          ///< the first rows of their tables; see sleep.h
+    std::uint32_t bodies_awake, joints_awake; ///< the number of first rows that are awake; see sleep.h
 };
 
-/// The definition the world was made with, all of it; never changes.
+/// All of the definition from which the world was created; never changes.
 struct Config {
     std::uint32_t tick_rate, substeps;
     Integrator integrator;
     std::uint32_t bounds_shift;
     std::uint32_t bodies_max, shapes_max, contacts_max, fields_max, pair_filters_max, joints_max;
     std::uint32_t characters_max, vehicles_max, continuous, sleeping;
-    Vec3 gravity; ///< at the start; the present one stands in the header
+    Vec3 gravity; ///< at the start; the header has the present one
     Real restitution_speed_min, contact_hertz, contact_damping, push_speed_max;
     Real sleep_speed, sleep_time;
     std::uint64_t seed;
 };
 
-/// Where an id's object stands now. A slot's generation grows when its object is destroyed.
+/// The present row of the object with an id. The generation of a slot increases when its object is destroyed.
 struct Slot {
-    std::uint32_t row; ///< of the dense table; while free: is_free, and the next free slot + 1, 0: last
-    std::uint32_t generation; ///< of the living object, or of the next one while free; never 0
+    std::uint32_t row;        ///< in the dense table; if free: is_free plus the next free slot + 1, 0: last
+    std::uint32_t generation; ///< of the living object, or if free, of the next one; never 0
 
     static constexpr std::uint32_t is_free = 0x80000000u; ///< bit
     constexpr bool is_alive() const { return (row & is_free) == 0; }
@@ -68,7 +68,7 @@ struct ShapeRow {
     std::uint32_t traits;     ///< row of the table of ShapeTraits
 };
 
-/// What a shape is: ShapeDef. Shapes that are alike share one row.
+/// The properties of a shape, from ShapeDef. Shapes with equal traits share one row.
 struct ShapeTraits {
     Geometry geometry;
     Transform local;
@@ -80,7 +80,7 @@ struct ShapeTraits {
     std::uint32_t sensor, one_way;
 };
 
-/// Two bodies that do not touch; a < b. The table is sorted.
+/// Two bodies that a pair filter keeps from touching; a < b. The table is sorted.
 struct PairFilterRow {
     BodyId a, b;
     friend constexpr auto operator<=>(const PairFilterRow&, const PairFilterRow&) = default;
@@ -119,7 +119,7 @@ template <class V> constexpr void describe(ShapeTraits& t, V&& v) {
 }
 template <class V> constexpr void describe(PairFilterRow& r, V&& v) { v("a", r.a), v("b", r.b); }
 
-/// The manifest. Order here is the order of the hash, the dump and the portable image.
+/// The manifest. Its order is the order of the hash, the dump and the portable image.
 struct Manifest {
     std::shared_ptr<const StateLayout> layout;
     TableId character_slots, characters;
@@ -133,9 +133,9 @@ struct Manifest {
     Column<Slot> body_slot;
     Column<BodyInfo> body_info;
     SharedTable<BodyTraits> body_traits;
-    Column<std::uint32_t> body_push; ///< row + 1 of forces, 0: nothing pushes it
+    Column<std::uint32_t> body_push; ///< row + 1 in forces, 0: no force
     Column<BodyForce> force;
-    Column<std::uint32_t> pushed; ///< slot + 1 of the body whose force it is
+    Column<std::uint32_t> pushed; ///< slot + 1 of the body on which the force acts
     Column<Slot> shape_slot;
     Column<ShapeRow> shape;
     SharedTable<ShapeTraits> shape_traits;
@@ -153,7 +153,7 @@ struct Manifest {
     Column<Velocity> body_velocity;
     Column<BodySleep> body_sleep;
 
-    ContactTables contacts, sleeping_contacts; ///< the latter of which no body is awake
+    ContactTables contacts, sleeping_contacts; ///< sleeping_contacts: contacts without an awake body
     Column<JointMemory> joint_memory;
     Column<VehicleMemory> vehicle_memory;
 

@@ -1,5 +1,5 @@
-// A world's state with its definition: what every phase reads, and what commands write. All of it is in the state, but for memory
-// that is kept from call to call.
+// A world's definition and state: all phases read it, and commands write it. Everything in it is part of the state,
+// except the scratch memory that is kept from call to call.
 #pragma once
 
 #include "model/manifest.h"
@@ -10,10 +10,10 @@
 
 namespace lockstone::sim {
 
-/// Memory for moving rows between awake and resting (sleep.h).
+/// Scratch memory for moving rows between the awake and the resting part of a table (sleep.h).
 struct RowMoves {
     std::vector<BodyId> joined;
-    /// Rows of one table, those that leave it, those of the table they go to
+    /// Rows of one table, rows that leave it, and rows of the table to which they go
     ContactList here, moving, there;
 };
 
@@ -25,20 +25,20 @@ struct Model {
     GameSchema schema;
     Manifest m;
     State state;
-    RowMoves moves;                   ///< memory
-    std::vector<MassPart> mass_parts; ///< memory, of update_mass()
+    RowMoves moves;                   ///< scratch memory
+    std::vector<MassPart> mass_parts; ///< scratch memory of update_mass()
 
     const Header& header() const { return state.rows(m.header)[0]; }
     Header& edit_header() { return state.edit_row(m.header, 0); }
     const Config& config() const { return state.rows(m.config)[0]; }
-    /// The columns of what is awake.
+    /// The columns of the awake bodies.
     solve::BodyColumns body_columns() {
         const std::uint32_t awake = header().bodies_awake;
         return {state.rows(m.body_info).first(awake), state.rows(m.body_traits.row),
                 state.rows(m.body_push).first(awake), state.rows(m.force),
                 state.edit(m.body_pose, 0, awake),    state.edit(m.body_velocity, 0, awake)};
     }
-    /// Of all bodies.
+    /// The masses of all bodies.
     solve::MassView masses() const { return {state.rows(m.body_info), state.rows(m.body_traits.row)}; }
     const BodyTraits& traits_of(const BodyInfo& info) const {
         return state.rows(m.body_traits.row)[info.traits];
@@ -49,7 +49,7 @@ struct Model {
     const BodyMass& mass_of(std::uint32_t body_row) const {
         return traits_of(state.rows(m.body_info)[body_row]).mass;
     }
-    /// Row of what an id names; `dead` when it lives no more.
+    /// The row of the object with this id; `dead` if it no longer exists.
     std::uint32_t row_of(BodyId id) const { return row_of(state.rows(m.body_slot), id.index, id.generation); }
     std::uint32_t row_of(ShapeId id) const {
         return row_of(state.rows(m.shape_slot), id.index, id.generation);
@@ -78,52 +78,53 @@ struct Model {
 
 // ---- the definition (world_def.cpp) ---
 
-/// Empty when good, else what is wrong.
+/// Returns an empty text if the definition is valid, else the error.
 std::string check(const WorldDef& def);
-/// contacts_max where the definition leaves it to the other limits.
+/// Computes contacts_max from the other limits if the definition leaves it 0.
 WorldDef with_derived_limits(WorldDef def);
 Config config_of(const WorldDef& def);
 
-// ---- bodies and shapes as they are defined, and as rows (definitions.cpp) ---
+// ---- definitions of bodies and shapes, and their rows (definitions.cpp) ---
 
-/// Fills in the rows of a body that is new: all but its mass, its shapes and whether it sleeps. Moves rows of the state: references
-/// end.
+/// Fills in the rows of a new body, except its mass, its shapes and its sleep state. May move rows of the state:
+/// references into it become invalid.
 void write_body(Model& w, std::uint32_t row, BodyId id, const BodyDef& def);
-/// What would make the body as it is now.
+/// A definition that would create the body as it is now.
 BodyDef body_def(const Model& w, std::uint32_t row);
-/// Where its origin is: rows hold the centre of mass.
+/// The pose of the body's origin; rows hold the pose of the centre of mass.
 Transform body_origin(const Model& w, std::uint32_t row);
 ShapeTraits traits_of(const ShapeDef& def);
 ShapeDef shape_def(const Model& w, std::uint32_t row);
 
-// ---- rows that bodies and shapes name (traits.cpp) ---
+// ---- rows to which bodies and shapes refer (traits.cpp) ---
 
-/// The force that pushes a body in the next tick, to be added to. Valid until the state grows.
+/// The force that acts on a body in the next tick; callers add to it. The reference is valid until the state grows.
 BodyForce& force_on(Model& w, std::uint32_t body_row);
-/// Nothing pushes it, or nothing pushes any body.
+/// Removes the force on a body, or on all bodies.
 void forget_force(Model& w, std::uint32_t body_row);
 void forget_forces(Model& w);
-/// From now on a body or shape is like this. Moves rows of the state: references end.
+/// Sets the traits of a body or a shape. May move rows of the state: references into it become invalid.
 void set_traits(Model& w, std::uint32_t body_row, const BodyTraits& traits);
 void set_shape_traits(Model& w, std::uint32_t shape_row, const ShapeTraits& traits);
 
-// ---- what a body does at once (traits.cpp) ---
+// ---- immediate changes of a body (traits.cpp) ---
 
-/// Velocity changes by an impulse [N s] and an angular impulse [N m s] about the centre of mass.
+/// Changes the velocity by an impulse [N s] and an angular impulse [N m s] about the centre of mass.
 void apply_impulse(Model& w, std::uint32_t body_row, Vec3 linear, Vec3 angular);
-/// Moves the centre of mass within a body whose origin stays where it is.
+/// Sets the mass of a body and moves its centre of mass; the origin of the body stays in place.
 void set_mass(Model& w, std::uint32_t body_row, const BodyMass& fresh);
 
-// ---- which bodies and shapes may meet (filters.cpp) ---
+// ---- which bodies and shapes may collide (filters.cpp) ---
 
-/// Whether two shapes may meet: a pure function of the state.
+/// Returns true if two shapes may collide: a pure function of the state.
 bool may_meet(const Model& w, const ShapeRow& a, const ShapeRow& b);
-/// Whether groups, categories and pair filters let two shapes of different bodies touch.
+/// Returns true if groups, categories and pair filters let two shapes of different bodies touch.
 bool filters_allow(const Model& w, const ShapeRow& a, const ShapeRow& b);
-/// Whether a joint that does not let its bodies touch holds two bodies together.
+/// Returns true if the two bodies have a common joint that does not let them touch.
 bool are_joined(const Model& w, BodyId a, BodyId b);
 
-/// Whether a state from outside can be this world's: same definition, every reference within its table.
+/// Checks if a state from outside fits this world: the definition is the world's, and every reference lies within its
+/// table.
 Status check_state(const Model& w, shapes::SolidCache& solids, const State& state);
 
 } // namespace lockstone::sim

@@ -1,5 +1,5 @@
-// Rows that many objects share. Most bodies and shapes of a game are alike: what they are like stands in the state once, and
-// each names the row. A row that is in use never changes: what is no longer like it takes another one.
+// Rows that several objects share. Most bodies and shapes of a game have equal traits: the state holds these once,
+// and each object refers to the row. A row in use never changes: an object with new traits refers to another row.
 #pragma once
 
 #include "base/assert.h"
@@ -11,9 +11,9 @@
 
 namespace lockstone::sim {
 
-/// How many objects name a row.
+/// The number of objects that refer to a row.
 struct SharedUses {
-    std::uint32_t count; ///< while free: is_free, and the next free row + 1, 0: last
+    std::uint32_t count; ///< if free: is_free plus the next free row + 1, 0: last
 
     static constexpr std::uint32_t is_free = 0x80000000u; ///< bit
     constexpr bool is_used() const { return (count & is_free) == 0; }
@@ -27,12 +27,13 @@ template <class T> struct SharedTable {
     Column<SharedUses> uses;
 };
 
-/// Rows that are compared before one more is made. Worlds with more kinds of things than that share less; that costs memory
-/// alone, and a bound keeps making many of them fast.
+/// The number of rows that are compared before a new row is made. Worlds with more different traits share less, which
+/// costs memory only; the bound keeps the creation of many different objects fast.
 inline constexpr std::uint32_t shared_rows_compared = 256;
 
-/// A row that holds `value`, with one use more. `first_free`: the header's, which the caller writes back. May grow the table: references
-/// into the state end then. The caller makes sure that there are no more uses than rows_max.
+/// Returns a row that holds `value`, and adds one to its uses. `first_free`: the header's field, which the caller
+/// writes back. May grow the table: references into the state then become invalid. The caller ensures that there are
+/// no more uses than rows_max.
 template <class T>
 std::uint32_t take_shared(State& state, const SharedTable<T>& t, const T& value, std::uint32_t& first_free) {
     const std::span<const T> rows = state.rows(t.row);
@@ -55,7 +56,7 @@ std::uint32_t take_shared(State& state, const SharedTable<T>& t, const T& value,
     return row;
 }
 
-/// Ends one use of a row. A row that nobody uses becomes zero, and is the next that is taken.
+/// Ends one use of a row. A row without uses becomes zero, and is the next row that is taken.
 template <class T>
 void drop_shared(State& state, const SharedTable<T>& t, std::uint32_t row, std::uint32_t& first_free) {
     SharedUses& uses = state.edit_row(t.uses, row);
@@ -66,7 +67,8 @@ void drop_shared(State& state, const SharedTable<T>& t, std::uint32_t row, std::
     std::memset(static_cast<void*>(&state.edit_row(t.row, row)), 0, sizeof(T));
 }
 
-/// Ends one use of `row`, and returns the row that holds `value`, with one use more. `value` lies outside of the table.
+/// Ends one use of `row`. Returns the row that holds `value`, and adds one to its uses. `value` must lie outside of
+/// the table.
 template <class T>
 std::uint32_t exchange_shared(State& state, const SharedTable<T>& t, std::uint32_t row, const T& value,
                               std::uint32_t& first_free) {

@@ -10,7 +10,7 @@ namespace lockstone::sim {
 
 namespace {
 
-// ---- rows change sides --------------------------------------------------------------------------------------
+// ---- rows move between awake and resting ----------------------------------------------------------------------
 
 void swap_bodies(Model& w, std::uint32_t x, std::uint32_t y) {
     swap_rows(w.state, w.m.bodies, x, y);
@@ -35,7 +35,7 @@ template <class Visit> void for_each_joint(const Model& w, BodyId body, Visit&& 
     }
 }
 
-/// Of a resting body.
+/// Moves a resting body to the awake rows.
 void raise(Model& w, BodyId body) {
     const std::uint32_t first_resting = w.header().bodies_awake;
     swap_bodies(w, w.row_of(body), first_resting);
@@ -49,27 +49,27 @@ void raise(Model& w, BodyId body) {
     });
 }
 
-/// BodySleep::still_ticks of a sleeper; of one that fell asleep it is 0.
+/// BodySleep::still_ticks of a body that was created asleep; a body that fell asleep has 0.
 constexpr std::uint32_t ticks_of_never_awake = 1;
 
 BodyId body_in_slot(const Model& w, std::uint32_t slot) {
     return w.state.rows(w.m.body_info)[w.state.rows(w.m.body_slot)[slot - 1].row].id;
 }
 
-/// The body, and if it sleeps in an island all of that.
+/// Wakes the body, and if it sleeps, all of its island.
 void raise_island(Model& w, BodyId body) {
     if (is_awake(w, w.row_of(body))) return;
     std::uint32_t next = w.state.rows(w.m.body_sleep)[w.row_of(body)].next;
     raise(w, body);
     while (next != 0 && next != body.index) {
         const BodyId member = body_in_slot(w, next);
-        if (is_awake(w, w.row_of(member))) break; // a ring from outside may lead past its start
+        if (is_awake(w, w.row_of(member))) break; // a ring from outside may not lead back to its start
         next = w.state.rows(w.m.body_sleep)[w.row_of(member)].next;
         raise(w, member);
     }
 }
 
-// ---- contacts change sides ----------------------------------------------------------------------------------
+// ---- contacts move between awake and resting -------------------------------------------------------------------
 
 bool is_shape_awake(const Model& w, ShapeId shape) {
     const std::uint32_t row = w.row_of(shape);
@@ -84,7 +84,7 @@ void merge(const ContactList& more, ContactList& into) {
     const auto order = [](const ContactKey& k) { return std::pair(k.a.index, k.b.index); };
     std::size_t old = into.keys.size(), fresh = more.keys.size(), at = old + fresh;
     into.keys.resize(at), into.memories.resize(at);
-    while (fresh != 0) { // from behind, so that nothing is overwritten before it has moved
+    while (fresh != 0) { // backwards, so that no row is overwritten before it has moved
         const bool takes_old = old != 0 && !(order(into.keys[old - 1]) < order(more.keys[fresh - 1]));
         const ContactList& from = takes_old ? into : more;
         const std::size_t row = takes_old ? --old : --fresh;
@@ -93,7 +93,7 @@ void merge(const ContactList& more, ContactList& into) {
     }
 }
 
-/// Moves rows that are on the wrong side of two tables, both of which stay sorted.
+/// Moves rows that belong to the other table. Both tables stay sorted.
 void sort_out(Model& w, const ContactTables& from, const ContactTables& to, bool move_awake) {
     const auto moves = [&](const ContactKey& key) { return is_contact_awake(w, key) == move_awake; };
     if (std::ranges::none_of(w.state.rows(from.key), moves)) return;
@@ -115,7 +115,7 @@ void sort_out(Model& w, const ContactTables& from, const ContactTables& to, bool
 
 void wake_contacts(Model& w) { sort_out(w, w.m.sleeping_contacts, w.m.contacts, true); }
 
-/// The islands of bodies that rest on a body or are joined to it, and of vehicles that stand on it.
+/// Wakes the islands of bodies that rest on a body or are joined to it, and of vehicles whose wheels touch it.
 void raise_neighbours(Model& w, BodyId body) {
     for (std::size_t i = 0; i < w.state.rows(w.m.sleeping_contacts.key).size(); ++i) {
         const ContactKey key = w.state.rows(w.m.sleeping_contacts.key)[i];
@@ -166,7 +166,7 @@ void wake_all(Model& w) {
     for (std::uint32_t row = w.header().bodies_awake; row < w.state.count(w.m.bodies); ++row)
         if (w.state.rows(w.m.body_info)[row].kind == BodyKind::dynamic) {
             raise_island(w, w.state.rows(w.m.body_info)[row].id);
-            row = w.header().bodies_awake - 1; // rows from here on have changed
+            row = w.header().bodies_awake - 1; // the rows from here on have changed
         }
     wake_contacts(w);
 }

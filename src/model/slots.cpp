@@ -24,7 +24,7 @@ std::uint32_t take_slot(Model& w, TableId table, Column<Slot> column, std::uint3
 
 void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint32_t& first_free) {
     Slot& slot = state.edit_row(column, index - 1);
-    // Generations wrap after 2^32 lives of one slot; 0 stays null.
+    // Generations wrap after 2^32 objects in one slot; 0 stays null.
     slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;
     slot.row = Slot::is_free | first_free;
     first_free = index;

@@ -1,4 +1,4 @@
-// What bodies and shapes are like, and what pushes them: rows of tables beside theirs.
+// Traits of bodies and shapes, and forces on bodies: rows of tables of their own.
 #include "lockstone/math/math.h"
 #include "model/model.h"
 #include "solve/bodies/locks.h"
@@ -24,7 +24,7 @@ void set_shape_traits(Model& w, std::uint32_t shape_row, const ShapeTraits& trai
 BodyForce& force_on(Model& w, std::uint32_t body_row) {
     const std::uint32_t push = w.state.rows(w.m.body_push)[body_row], count = w.state.count(w.m.forces);
     if (push != 0 && push <= count) return w.state.edit_row(w.m.force, push - 1);
-    const std::uint32_t row = count; // below bodies_max: this body has none yet
+    const std::uint32_t row = count; // below bodies_max, as this body has no force row yet
     w.state.resize(w.m.forces, row + 1);
     w.state.edit_row(w.m.body_push, body_row) = row + 1;
     w.state.edit_row(w.m.pushed, row) = w.state.rows(w.m.body_info)[body_row].id.index;

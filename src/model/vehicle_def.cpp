@@ -1,4 +1,4 @@
-// Definitions of vehicles: what they may say, and two to begin with.
+// Definitions of vehicles: their checks, and two example definitions.
 #include "lockstone/play/vehicle.h"
 #include "model/fields.h"
 
@@ -16,7 +16,7 @@ std::string check_ascending(const char* curve, std::span<const CurvePoint> point
     return {};
 }
 
-/// What the wheels have to be together, and a wheel's fields to each other.
+/// Checks the wheels as a whole, and the relations between the fields of each wheel.
 std::string check_wheels(const VehicleDef& d) {
     std::uint32_t tracks = 0;
     Real share{};
@@ -35,7 +35,7 @@ std::string check_wheels(const VehicleDef& d) {
     return {};
 }
 
-/// Which wheels they are between.
+/// Checks the wheels that differentials and anti-roll bars connect.
 std::string check_couplings(const VehicleDef& d) {
     for (std::uint32_t i = 0; i < vehicle_couplings_max; ++i) {
         const Differential& diff = d.differential[i];

@@ -1,4 +1,4 @@
-// The definition a world is made with: its ranges, and the row it becomes.
+// The definition of a world: its checks, and the row that stores it.
 #include "base/assert.h"
 #include "base/text.h"
 #include "model/fields.h"
@@ -29,7 +29,7 @@ namespace sim {
 constexpr std::uint32_t objects_max = 1u << 20;
 
 WorldDef with_derived_limits(WorldDef d) {
-    constexpr std::uint32_t contacts_per_shape = 8; // a heap has half of that
+    constexpr std::uint32_t contacts_per_shape = 8; // a heap needs half of that
     if (d.contacts_max == 0)
         d.contacts_max = std::min(objects_max, contacts_per_shape * std::max(d.bodies_max, d.shapes_max));
     return d;

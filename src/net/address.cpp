@@ -1,4 +1,4 @@
-// Addresses as text.
+// Conversion of addresses from and to text.
 #include "lockstone/net.h"
 
 #include "base/text.h"

@@ -1,16 +1,18 @@
-// Proof that a sender receives what is sent to its address, without remembering anything of it. Source: RFC 2522 (Photuris).
+// Stateless proof that a sender receives datagrams at its address. Source: RFC 2522 (Photuris).
 #pragma once
 
 #include "net/crypto.h"
 
 namespace lockstone::net {
 
+/// Makes and checks cookies with a secret key. It stores no data of senders.
 class CookieJar {
   public:
     CookieJar() : key(random_key()) {}
-    /// For who sent `nonce` from `from`, in the name of `slot`. Good for 4 to 8 seconds.
+    /// A cookie for the sender of `nonce` at address `from`, for `slot`. Valid for 4 to 8 seconds.
     std::uint64_t bake(const NetAddress& from, std::uint8_t slot, std::uint64_t nonce,
                        std::uint64_t now_ms) const;
+    /// True for a valid cookie of the same sender, slot and nonce.
     bool is_good(std::uint64_t cookie, const NetAddress& from, std::uint8_t slot, std::uint64_t nonce,
                  std::uint64_t now_ms) const;
 

@@ -8,7 +8,7 @@
 namespace lockstone::net {
 namespace {
 
-/// libsodium chooses its code for this processor once, before its first use.
+/// Initialises libsodium once; it then chooses code for the present processor.
 void start() {
     static const int started = sodium_init();
     LOCKSTONE_ASSERT(started >= 0, "libsodium does not start");

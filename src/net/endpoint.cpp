@@ -99,8 +99,7 @@ Endpoint::Impl::Fault Endpoint::Impl::take(const NetAddress& from, Bytes datagra
     if (kind == Kind::relay_cookie || kind == Kind::relay_accept)
         return relay ? take_from_relay(*relay, datagram) : Fault(NetFault::stranger);
     if (slot >= token.players || slot == token.slot) return NetFault::stranger;
-    if (kind == Kind::punch)
-        return {}; // it has opened the way through the sender's router, which is all it is for
+    if (kind == Kind::punch) return {}; // its only purpose is to open the path through the sender's router
     if (kind <= Kind::accept) return take_handshake(slot, from, datagram);
     if (kind >= Kind::data && kind <= Kind::challenge_answer) return take_sealed(slot, from, datagram);
     return NetFault::unexpected;

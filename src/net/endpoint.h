@@ -1,4 +1,5 @@
-// What an endpoint remembers. handshake.cpp makes keys, sealed.cpp uses them, relay_link.cpp reaches a relay.
+// The state of an endpoint. handshake.cpp agrees on keys, sealed.cpp uses them, relay_link.cpp connects to
+// relays.
 #pragma once
 
 #include "net/cookie.h"
@@ -9,21 +10,22 @@
 
 namespace lockstone::net {
 
-/// One pair's keys since a handshake, and how far their numbers have come.
+/// The keys of a pair of players after a handshake, with the packet numbers in use.
 struct Channel {
     DirectedKeys keys;
-    std::uint64_t sent = 0; ///< the next number
+    std::uint64_t sent = 0; ///< number of the next packet
     ReplayWindow window;
 };
 
-/// An initiator's try at a handshake: cookie and request are asked for again and again, in the name of one nonce.
+/// An attempt of the initiator at a handshake. It repeats its hello and request with one nonce.
 struct Attempt {
     std::uint64_t nonce = 0, started_ms = 0, tried_ms = 0, cookie = 0, cookie_ms = 0;
-    NetKey secret; ///< good for this attempt only
+    NetKey secret; ///< of this attempt only
     bool runs = false, has_cookie = false;
 };
 
-/// A responder's answer to an authentic request: becomes the channel when a packet shows that the initiator has the keys.
+/// The responder's answer to an authentic request. It becomes the channel when a packet proves that the
+/// initiator has the keys.
 struct Pending {
     Channel channel;
     std::uint64_t nonce, since_ms;
@@ -31,21 +33,23 @@ struct Pending {
     std::array<std::byte, accept_bytes> accept;
 };
 
+/// The connection to another player.
 struct Peer {
-    DirectedKeys pair;  ///< of both players' keys in the token: for handshakes only
-    NetAddress listed;  ///< the token's, or that of the relay where it is looked for
-    NetAddress address; ///< proven; no port before the first handshake
+    DirectedKeys pair;  ///< from the keys in the token; for handshakes only
+    NetAddress listed;  ///< address in the token, or of the relay where the peer is expected
+    NetAddress address; ///< proven address; port 0: no handshake yet
     std::optional<Channel> channel;
     std::optional<Pending> pending;
-    std::uint64_t channel_nonce = 0; ///< of the request that the channel came from
+    std::uint64_t channel_nonce = 0; ///< nonce of the request that led to the channel
     Attempt attempt;
     std::uint64_t sent_ms = 0, heard_ms = 0, punched_ms = 0, relay_changed_ms = 0;
-    NetAddress candidate; ///< another address that authentic packets come from; challenged
+    /// Another address that authentic packets come from, while a challenge to it is open.
+    NetAddress candidate;
     std::uint64_t challenge = 0, challenged_ms = 0;
     Bucket hellos, requests, packets, bytes;
 };
 
-/// How this player stands with a relay.
+/// The connection to a relay.
 struct RelayLink {
     RelaySeat seat;
     Attempt attempt;
@@ -65,7 +69,7 @@ struct Endpoint::Impl {
     EndpointDef def;
     std::uint64_t now;
     std::array<net::Peer, net_players_max> peers;
-    std::array<net::RelayLink, 2> relays; ///< a second one only where there is a first
+    std::array<net::RelayLink, 2> relays; ///< the second one only together with a first
     net::CookieJar cookies;
     net::SourceLimit hello_sources;
     net::Bucket hellos, opens;
@@ -77,11 +81,12 @@ struct Endpoint::Impl {
     bool has_relay() const { return token.relay.port != 0; }
     bool initiates(PeerId slot) const { return token.slot > slot; }
     std::uint32_t match_low() const { return static_cast<std::uint32_t>(token.match_id); }
-    /// Ours on the wire: a relay is told the receiver and puts the sender in its place.
+    /// The first byte of a datagram to a player. To a relay it holds the receiver's slot, which the relay
+    /// replaces by the sender's.
     std::byte first_to(net::Kind kind, PeerId slot) const {
         return net::first_byte(kind, has_relay() ? slot : token.slot);
     }
-    /// Takes from the number of ciphertexts that are tried.
+    /// Counts a decryption; false: the rate limit is exceeded.
     bool may_open();
     net::Space push(const NetAddress& to, std::size_t size) {
         return net::push_counted(outgoing, stats, to, size);

@@ -1,14 +1,15 @@
-// How two players who know each other's public keys come to keys of their own:
+// The handshake: two players with each other's public keys agree on keys of a connection.
 //
 //   initiator (the higher slot)                     responder
-//   hello    nonce                             ->   remembers nothing
+//   hello    nonce                             ->   stores nothing
 //                                              <-   cookie   bound to address, slot and nonce; shorter than the hello
-//   request  cookie, sealed ephemeral key      ->   checks the cookie, then opens: pending
+//   request  cookie, sealed ephemeral key      ->   checks the cookie, then decrypts: pending
 //                                              <-   accept   sealed ephemeral key; shorter than the request
-//   any packet under the new keys              ->   pending becomes the channel
+//   any packet with the new keys               ->   the pending channel becomes the channel
 //
-// Sources: the cookie, RFC 2522 and RFC 6347, 4.2.1; the two Diffie-Hellman agreements, static to know each other and
-// ephemeral so that every try has keys of its own, the pattern KK of the Noise protocol framework, revision 34.
+// Sources: the cookie: RFC 2522 and RFC 6347, 4.2.1. The two Diffie-Hellman agreements, one of static keys for
+// authentication and one of ephemeral keys for each attempt: the pattern KK of the Noise protocol framework,
+// revision 34.
 #include "net/endpoint.h"
 
 #include "base/bytes.h"
@@ -23,7 +24,7 @@ constexpr std::uint64_t retry_ms = 250, attempt_ms = 10'000, cookie_kept_ms = 30
                         punch_ms = 500;
 constexpr std::uint32_t requests_per_second = 4;
 
-/// Both agreements go into each direction's key, and the match and the version with them.
+/// Derives the key of each direction from both agreements, the match and the version.
 DirectedKeys session_keys(const DirectedKeys& ephemeral, const DirectedKeys& pair, std::uint64_t match_id) {
     const auto mixed = [&](const NetKey& one, const NetKey& other) {
         std::vector<std::byte> context;
@@ -36,7 +37,8 @@ DirectedKeys session_keys(const DirectedKeys& ephemeral, const DirectedKeys& pai
     return {mixed(ephemeral.send, pair.send), mixed(ephemeral.receive, pair.receive)};
 }
 
-/// What is authenticated beside the sealed key: the head as its receiver sees it, and of an accept the initiator's key.
+/// The data that is authenticated with the sealed key: the head as the receiver gets it, and in an accept
+/// the initiator's key.
 std::vector<std::byte> header_of(std::byte first, Bytes head, Bytes initiator_key = {}) {
     std::vector<std::byte> header;
     base::ByteWriter to(header);
@@ -78,14 +80,14 @@ Endpoint::Impl::Fault Endpoint::Impl::take_handshake(PeerId slot, const NetAddre
 }
 
 Endpoint::Impl::Fault Endpoint::Impl::take_hello(PeerId slot, const NetAddress& from, Bytes datagram) {
-    // Who comes from where the token says has a rate of its own, which strangers cannot use up.
+    // A sender at the address in the token has its own rate, which strangers cannot exhaust.
     const bool may = from == peers[slot].listed || relay_at(from)
                          ? peers[slot].hellos.take(1, def.hellos_per_source, now)
                          : hello_sources.take(from, def.hellos_per_source, now) &&
                                hellos.take(1, def.hellos_per_second, now);
     if (!may) return NetFault::over_rate;
     if (!peers[slot].channel && relay_at(from))
-        peers[slot].relay_changed_ms = now; // a handshake begins there
+        peers[slot].relay_changed_ms = now; // a handshake begins at this relay
     const std::uint64_t nonce = read_hello(datagram).nonce;
     if (const Space to = push(from, cookie_bytes); !to.empty()) {
         write_cookie(to, first_to(Kind::cookie, slot), nonce,
@@ -101,7 +103,7 @@ Endpoint::Impl::Fault Endpoint::Impl::take_cookie(PeerId slot, const NetAddress&
     if (!attempt.runs || cookie.nonce != attempt.nonce || from != peers[slot].listed)
         return NetFault::unexpected;
     const bool is_first = !attempt.has_cookie;
-    if (is_first) peers[slot].relay_changed_ms = now; // this way is open
+    if (is_first) peers[slot].relay_changed_ms = now; // the path through this relay works
     attempt.cookie = cookie.cookie, attempt.cookie_ms = now, attempt.has_cookie = true;
     if (is_first) send_request(slot);
     return {};
@@ -137,7 +139,7 @@ Endpoint::Impl::Fault Endpoint::Impl::take_request(PeerId slot, const NetAddress
 void Endpoint::Impl::answer_request(PeerId slot, const NetAddress& from, std::uint64_t nonce,
                                     const NetKey& theirs) {
     Peer& peer = peers[slot];
-    // Asked again: the first answer was lost, and may yet arrive, so it stays the answer.
+    // A repeated request gets the same answer again, because the first answer may still arrive.
     if (!peer.pending || peer.pending->nonce != nonce) {
         const NetKey secret = random_key();
         const auto ephemeral = agree(Role::responder, secret, theirs);
@@ -173,7 +175,7 @@ Endpoint::Impl::Fault Endpoint::Impl::take_accept(PeerId slot, const NetAddress&
     if (!ephemeral) return NetFault::malformed;
     peer.channel = Channel{session_keys(*ephemeral, peer.pair, token.match_id), 0, {}};
     peer.address = from, peer.heard_ms = now, attempt = {};
-    send_control(slot, from, Kind::keep_alive, 0); // shows that we have the keys
+    send_control(slot, from, Kind::keep_alive, 0); // proves that this player has the keys
     return {};
 }
 

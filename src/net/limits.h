@@ -1,4 +1,4 @@
-// How much in a time: token buckets, one for each of many sources in memory that does not grow.
+// Rate limits: token buckets, one for each of many sources, in memory of fixed size.
 #pragma once
 
 #include "net/crypto.h"
@@ -7,9 +7,10 @@
 
 namespace lockstone::net {
 
-/// Holds `rate` at most and gains `rate` a second.
+/// A token bucket with a capacity of `rate` that gains `rate` in a second.
 class Bucket {
   public:
+    /// Takes `amount` from the bucket; false: it holds less, and nothing changes.
     bool take(std::uint64_t amount, std::uint64_t rate, std::uint64_t now_ms) {
         const std::uint64_t passed = std::min<std::uint64_t>(now_ms - std::min(now_ms, filled_ms), 1000);
         level = is_new ? rate * 1000 : std::min(rate * 1000, level + passed * rate);
@@ -21,25 +22,26 @@ class Bucket {
     }
 
   private:
-    std::uint64_t level = 0; ///< [1/1000]
+    std::uint64_t level = 0; ///< content [1/1000]
     std::uint64_t filled_ms = 0;
     bool is_new = true;
 };
 
-/// The bytes that identify a sender: the address without its port; of IPv6 the first 64 bits, since a sender owns all addresses that begin with them.
+/// The bytes that identify a sender: the address without its port, of IPv6 the first 64 bits, because a
+/// sender controls all addresses with these bits.
 Bytes source_of(const NetAddress& address);
 /// The bytes that identify a sender's network: the first 24 bits of IPv4, the first 48 of IPv6.
 Bytes network_of(const NetAddress& address);
 
-/// How many entries of one table a source and its network may have.
+/// Limits of a table: entries in all, of a source, and of a network.
 struct Quota {
     std::uint32_t all, per_source, per_network;
 };
-/// The entries that a table has now: in all, of a source, of its network.
+/// Present entries of a table: in all, of a source, of its network.
 struct Taken {
     std::uint64_t all = 0, of_source = 0, of_network = 0;
 };
-/// Counts the entries of a table whose opener, `opener_of(entry)`, is in the source and in the network of `from`.
+/// Counts the entries of a table. An entry belongs to a source or network if `opener_of(entry)` does.
 template <class Table, class OpenerOf>
 Taken count_taken(const Table& table, const NetAddress& from, const OpenerOf& opener_of) {
     Taken taken{table.size()};
@@ -50,10 +52,12 @@ Taken count_taken(const Table& table, const NetAddress& from, const OpenerOf& op
     }
     return taken;
 }
-/// True if the source may have one entry more. The last quarter of a table is kept for sources that have none.
+/// True if the source may add an entry. The last quarter of a table is reserved for sources without an
+/// entry.
 bool has_place(const Taken& taken, const Quota& quota);
 
-/// A bucket for each source, found by a secret hash: sources that share one share its rate, and nobody can choose with whom.
+/// Token buckets for many sources, selected by a secret hash. Sources in one bucket share its rate; the
+/// secret prevents that a sender chooses another one's bucket.
 class SourceLimit {
   public:
     SourceLimit() : buckets(1024), key(random_key()) {}

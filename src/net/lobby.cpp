@@ -1,5 +1,6 @@
-// A match by a code: the first player opens a room, the others enter it, and all are told each other's public keys. Who is who is
-// known by a public key that is made for this match; requests are repeated until the token is there, and mean the same each time.
+// The lobby: the first player opens a room, the others enter it by its code, and each gets the public keys
+// of all. A player is identified by a public key for this match. Clients repeat requests until they have
+// the token, and a repeated request has the same effect.
 #include "net/relay.h"
 
 #include "base/bytes.h"
@@ -10,10 +11,12 @@ using namespace net;
 
 namespace {
 
-constexpr std::string_view letters = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"; // none that look alike
+// Without letters and digits that look alike.
+constexpr std::string_view letters = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789";
 static_assert(letters.size() == 32);
 
-// A token for the most players, with two relays, fits into an answer: head and seal, seat, keys, relays; and what stands before it.
+// The largest token (maximum number of players, two relays) must fit into an answer: head and seal, seat,
+// keys, relays, and the fields of the answer before the token.
 constexpr std::size_t token_bytes_max =
     5 + sealed_extra_bytes + 18 + 1 + 32 + 32 * net_players_max + 2 * (18 + 32 + 2 + pass_bytes);
 static_assert(token_bytes_max + 2 + code_letters + 2 <= lobby_answer_plain);
@@ -72,7 +75,7 @@ Relay::Impl::Said Relay::Impl::say(const Asked& asked, std::string& code, const 
             status == LobbyStatus::ready ? token_for(asked.who, room, key) : std::vector<std::byte>{}};
 }
 
-/// Into the room of `code`, or into a new one where it is empty; then `code` names it.
+/// Enters the room of `code`. With an empty code it opens a room and sets `code`.
 LobbyStatus Relay::Impl::enter(const Asked& asked, std::string& code) {
     const NetKey& who = asked.who;
     if (const auto known = room_of.find(who.bytes); known != room_of.end())
@@ -82,7 +85,7 @@ LobbyStatus Relay::Impl::enter(const Asked& asked, std::string& code) {
     const auto found = rooms.find(code);
     if (found == rooms.end()) return LobbyStatus::no_such_code;
     Room& room = found->second;
-    if (room_of.contains(who.bytes)) room.asked_ms = now; // by a member
+    if (room_of.contains(who.bytes)) room.asked_ms = now; // the request is from a member
     if (std::ranges::find(room.members, who) == room.members.end()) {
         if (room.members.size() == room.players) return LobbyStatus::room_full;
         room.members.push_back(who), room.relay_keys.push_back(random_key());
@@ -107,7 +110,8 @@ LobbyStatus Relay::Impl::open_room(const Asked& asked, std::string& code) {
     return LobbyStatus::waiting;
 }
 
-/// Without the secret and the relay's address: the player has the one, and asks at the other.
+/// The token has neither the secret nor the relay's address: the player has the secret, and sends its
+/// requests to that address.
 std::vector<std::byte> Relay::Impl::token_for(const NetKey& who, const Room& room, const NetKey& key) const {
     ConnectToken token;
     token.match_id = room.match_id, token.expires_ms = room.opened_ms + def.match_ms;

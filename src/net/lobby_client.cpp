@@ -1,4 +1,4 @@
-// The player's side of a match by a code; lobby.cpp is the relay's side.
+// LobbyClient: the player's side of the lobby; lobby.cpp is the relay's side.
 #include "net/relay.h"
 
 #include "base/bytes.h"
@@ -98,14 +98,14 @@ void LobbyClient::Impl::take_answer(Bytes datagram) {
         return;
     }
     opened->secret = secret;
-    if (opened->pass.empty()) { // a place at a door, which stands where its lobby does
+    if (opened->pass.empty()) { // a place at a door, which has the address of its lobby
         opened->addresses = {};
         opened->addresses[0] = lobby;
         token = std::move(*opened);
         return;
     }
     opened->relay = lobby;
-    if (opened->second_relay.address == lobby) opened->second_relay = {}; // it has named itself
+    if (opened->second_relay.address == lobby) opened->second_relay = {}; // the lobby has named itself
     token = std::move(*opened);
 }
 

@@ -1,19 +1,20 @@
-// The formats of datagrams, see README.md: what the first byte says, how long each kind is, handshakes field by field.
+// The formats of datagrams (README.md): the first byte, the length of each kind, the fields of handshakes.
 #pragma once
 
 #include "net/crypto.h"
 
 namespace lockstone::net {
 
-/// The high half of the first byte; the low half is a slot: the sender's, or on the way to a relay the receiver's.
+/// The high half of the first byte. The low half is a slot: the sender's, or on the way to a relay the
+/// receiver's.
 enum class Kind : std::uint8_t {
     hello = 1,
     cookie,
     request,
     accept,
-    punch, // between players who have no keys yet
+    punch, // between players without keys
     lobby_request = 6,
-    lobby_answer, // with a relay's lobby
+    lobby_answer, // to and from the lobby of a relay
     data = 8,
     keep_alive,
     challenge,
@@ -32,22 +33,22 @@ constexpr Kind kind_of(std::byte first) {
 constexpr PeerId slot_of(std::byte first) { return std::to_integer<std::uint32_t>(first) & 15u; }
 
 inline constexpr std::size_t data_head_bytes = 3; // first byte, low 16 bits of the number
-inline constexpr std::size_t control_bytes = 8;   // what keep-alives, challenges and their answers hold
+inline constexpr std::size_t control_bytes = 8;   // content of keep-alives, challenges and challenge answers
 inline constexpr std::size_t hello_bytes = 24;    // u8 first, u8 version, u32 match, u64 nonce, ten zeros
 inline constexpr std::size_t cookie_bytes = 18;   // u8 first, u8 version, u64 nonce, u64 cookie
-inline constexpr std::size_t request_bytes =
-    22 + 32 + sealed_extra_bytes; // as hello without zeros, u64 cookie, sealed key
-inline constexpr std::size_t accept_bytes =
-    10 + 32 + sealed_extra_bytes; // u8 first, u8 version, u64 nonce, sealed key
-inline constexpr std::size_t pass_bytes = 5 + 50 + sealed_extra_bytes; // what seal_pass makes
-inline constexpr std::size_t relay_request_bytes =
-    18 + pass_bytes + tag_bytes; // as cookie, the pass, authenticator
-inline constexpr std::size_t relay_accept_bytes =
-    10 + tag_bytes; // u8 first, u8 version, u64 nonce, authenticator
+// As hello without the zeros, then u64 cookie, sealed key.
+inline constexpr std::size_t request_bytes = 22 + 32 + sealed_extra_bytes;
+// u8 first, u8 version, u64 nonce, sealed key.
+inline constexpr std::size_t accept_bytes = 10 + 32 + sealed_extra_bytes;
+inline constexpr std::size_t pass_bytes = 5 + 50 + sealed_extra_bytes; // of seal_pass()
+// As cookie, then the pass, authenticator.
+inline constexpr std::size_t relay_request_bytes = 18 + pass_bytes + tag_bytes;
+// u8 first, u8 version, u64 nonce, authenticator.
+inline constexpr std::size_t relay_accept_bytes = 10 + tag_bytes;
 static_assert(cookie_bytes <= hello_bytes && accept_bytes <= request_bytes &&
               relay_accept_bytes <= relay_request_bytes);
 
-/// Least and most bytes of a kind; {0, 0} for no kind.
+/// Minimum and maximum length of a kind [bytes]; {0, 0}: an unknown kind.
 struct Lengths {
     std::size_t least, most;
 };
@@ -81,10 +82,10 @@ constexpr Lengths lengths_of(Kind kind) {
     }
     return {0, 0};
 }
-/// What its length and first byte alone forbid.
+/// Checks the length and the kind. Empty: both are valid.
 std::optional<NetFault> length_fault(Bytes datagram);
 
-/// Hellos of players and to a relay; `match` is the low half of the match's id, 0 to a relay.
+/// Hello to a player or a relay. `match`: low half of the match id, 0 to a relay.
 struct Hello {
     std::uint8_t version;
     std::uint32_t match;
@@ -93,7 +94,8 @@ struct Hello {
 Hello read_hello(Bytes datagram);
 void write_hello(Space to, std::byte first, std::uint32_t match, std::uint64_t nonce);
 
-/// Version, nonce and cookie, after the first byte of cookies, and of accepts and relay requests, which go on.
+/// Version, nonce and cookie: the fields after the first byte of a cookie, a relay request and a lobby
+/// request. Accepts and lobby answers have the first two only.
 struct Cookie {
     std::uint8_t version;
     std::uint64_t nonce, cookie;

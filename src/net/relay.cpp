@@ -67,7 +67,7 @@ Relay::Impl::Fault Relay::Impl::request_fault(const NetAddress& from, Bytes data
 
 Relay::Impl::Fault Relay::Impl::take_request(const NetAddress& from, Bytes datagram) {
     if (const Fault fault = request_fault(from, datagram)) return fault;
-    // Its end is looked at below, so that it is counted as what it is.
+    // Opened without a check of its expiry, which follows below: so an expired pass counts as `expired`.
     const auto pass = open_pass(datagram.subspan(cookie_bytes, pass_bytes), secret, 0);
     if (!pass || pass->slot != slot_of(datagram[0])) return NetFault::unauthenticated;
     if (!same(authenticator(pass->key, datagram.first(relay_request_bytes - tag_bytes)),
@@ -104,7 +104,7 @@ Relay::Impl::Fault Relay::Impl::sit_down(const RelayPass& pass, const NetAddress
     return {};
 }
 
-/// The match is left where it is; the next sweep forgets one that is empty.
+/// Frees the seat. The next sweep removes a match without players.
 void Relay::Impl::stand_up(std::map<NetAddress, std::pair<std::uint64_t, PeerId>>::iterator seat) {
     const auto [match, slot] = seat->second;
     matches[match].seats[slot] = {};

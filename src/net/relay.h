@@ -1,4 +1,4 @@
-// What a relay remembers. relay.cpp seats players and forwards, lobby.cpp brings them together.
+// The state of a relay. relay.cpp assigns seats and forwards, lobby.cpp handles rooms.
 #pragma once
 
 #include "net/cookie.h"
@@ -10,31 +10,32 @@
 
 namespace lockstone::net {
 
-/// A player of a match who has shown a pass from a proven address.
+/// The seat of a player: a valid pass has arrived from a proven address.
 struct Seat {
-    NetAddress address; ///< no port: nobody
+    NetAddress address; ///< port 0: the seat is free
     std::uint64_t heard_ms = 0;
     Bucket packets, bytes;
 };
 
+/// A match with at least one player at the relay, until the next sweep finds it empty.
 struct RelayedMatch {
     std::uint32_t players = 0;
-    NetAddress opened_by = {};                 ///< of its first player
-    std::array<Seat, net_players_max> seats{}; ///< by slot
+    NetAddress opened_by = {};                 ///< by its first player; counts for the quota of this address
+    std::array<Seat, net_players_max> seats{}; ///< [slot]
 };
 
-/// A match that players gather for.
+/// A room of the lobby: players meet in it before a match.
 struct Room {
     std::uint32_t players = 0;
     std::uint64_t match_id = 0, opened_ms = 0;
-    std::uint64_t asked_ms = 0;      ///< when a member last sent a request
-    NetAddress opened_by = {};       ///< whose source has one room less to open
-    std::vector<NetKey> members;     ///< public keys, by slot
-    std::vector<NetKey> relay_keys;  ///< by slot
-    std::vector<NetKey> second_keys; ///< by slot, for the second relay
+    std::uint64_t asked_ms = 0;      ///< time of the last request of a member [ms]
+    NetAddress opened_by = {};       ///< counts for the quota of this address
+    std::vector<NetKey> members;     ///< [slot] public keys
+    std::vector<NetKey> relay_keys;  ///< [slot]
+    std::vector<NetKey> second_keys; ///< [slot] for the second relay
 };
 
-/// What the lobby says; the rest of a lobby answer has a meaning for the first two only.
+/// Status of a lobby answer. The other fields of the answer are valid only with `waiting` and `ready`.
 enum class LobbyStatus : std::uint8_t {
     waiting,
     ready,
@@ -45,7 +46,8 @@ enum class LobbyStatus : std::uint8_t {
     door_full
 };
 
-// The lobby's formats, see README.md: both directions are of one length, so that nothing is amplified or told by it.
+// The formats of the lobby (README.md). Requests and answers have equal lengths: so an answer never
+// amplifies a request, and its length reveals nothing.
 inline constexpr std::size_t code_letters = 8;
 inline constexpr std::size_t lobby_request_head = 18 + 32, lobby_answer_head = 10;
 inline constexpr std::size_t lobby_request_plain = packet_bytes_max - lobby_request_head - sealed_extra_bytes;
@@ -66,11 +68,11 @@ struct Relay::Impl {
     net::SourceLimit hello_sources, request_sources;
     net::Bucket hellos, opens;
     std::map<std::uint64_t, net::RelayedMatch> matches;           ///< by match id
-    std::map<NetAddress, std::pair<std::uint64_t, PeerId>> seats; ///< by address: match and slot
+    std::map<NetAddress, std::pair<std::uint64_t, PeerId>> seats; ///< match and slot by address
     std::map<std::string, net::Room> rooms;                       ///< by code
     std::map<std::array<std::byte, 32>, std::string> room_of;     ///< by a member's public key
-    WatchDoor* door = nullptr;                                    ///< that is shown; null: none
-    std::string door_code;                                        ///< its code
+    WatchDoor* door = nullptr; ///< door for spectators, not owned; null: none
+    std::string door_code;     ///< code of the door
     net::PacketQueue<NetAddress> outgoing;
     std::uint64_t forwarded = 0;
     NetStats stats;
@@ -80,7 +82,7 @@ struct Relay::Impl {
     }
     Fault take(const NetAddress& from, net::Bytes datagram);
     Fault take_hello(const NetAddress& from, net::Bytes datagram);
-    /// What requests have to get past before anything of them is opened.
+    /// Checks of a request before any decryption: cookie and rates. Empty: passed.
     Fault request_fault(const NetAddress& from, net::Bytes datagram);
     Fault take_request(const NetAddress& from, net::Bytes datagram);
     Fault sit_down(const RelayPass& pass, const NetAddress& from);
@@ -90,12 +92,13 @@ struct Relay::Impl {
 
     // lobby.cpp
     Fault take_lobby_request(const NetAddress& from, net::Bytes datagram);
-    /// What is said to who asks.
+    /// Content of a lobby answer.
     struct Said {
         net::LobbyStatus status;
         std::uint32_t members;
         std::vector<std::byte> token;
     };
+    /// A lobby request.
     struct Asked {
         NetAddress from;
         NetKey who;

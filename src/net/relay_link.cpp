@@ -1,10 +1,12 @@
-// An endpoint's way into a relay: hello, cookie, request with the pass, accept; again after silence. And from one relay to the other:
+// The connection of an endpoint to its relays: hello, cookie, request with the pass, accept; again after silence. And
+// the change from one relay to the other:
 //
-//   a peer is silent for two thirds of relay_silence_ms: a seat is asked for at both relays
-//   ... for all of it: what is for this peer goes through the other relay; after as much silence there, through the first again
-//   an authentic packet of it comes from the other relay: challenged and proven as any new address (sealed.cpp)
+//   a peer is silent for two thirds of relay_silence_ms: the endpoint requests a seat at both relays
+//   ... for all of it: datagrams for this peer go through the other relay; after as much silence there, the first again
+//   an authentic packet of it comes through the other relay: challenge and proof as for any new address (sealed.cpp)
 //
-// So a match goes on when a relay is lost, or when a single player loses the way to it: whoever misses somebody looks in both places.
+// So a match continues when a relay fails, or when a single player loses the connection to it: an endpoint searches
+// for a silent peer at both relays.
 #include "net/endpoint.h"
 
 #include "base/bytes.h"
@@ -26,7 +28,7 @@ RelayLink* Endpoint::Impl::relay_at(const NetAddress& address) {
     return nullptr;
 }
 
-/// Whether a peer is looked for there, or has been silent elsewhere for long.
+/// True if a peer is expected at this relay, or if a peer elsewhere has been silent for long.
 bool Endpoint::Impl::is_missed(RelayLink& relay) {
     if (relay.seat.address.port == 0) return false;
     for (PeerId slot = 0; slot < token.players; ++slot) {
@@ -75,17 +77,18 @@ Endpoint::Impl::Fault Endpoint::Impl::take_from_relay(RelayLink& relay, Bytes da
     const Bytes head = datagram.first(relay_accept_bytes - tag_bytes);
     if (!same(authenticator(relay.seat.key, head), datagram.last(tag_bytes)))
         return NetFault::unauthenticated;
-    if (!relay.is_in) // only now can anybody be heard through it
+    if (!relay.is_in) // before this, no peer could be heard through this relay
         for (Peer& peer : peers)
             if (peer.listed == relay.seat.address) peer.relay_changed_ms = now;
     relay.is_in = true, relay.heard_ms = now, attempt = {};
     return {};
 }
 
-/// To the other relay, where this player has a seat there. Who is silent at both is looked for at each in turn.
+/// Changes to the other relay after silence of the peer, if this player has a seat there. A peer that is
+/// silent at both is searched for at each in turn.
 void Endpoint::Impl::poll_path(PeerId slot) {
     Peer& peer = peers[slot];
-    // A handshake takes longer than a packet, and is begun anew at the other relay.
+    // A handshake takes longer than a packet, and starts again at the other relay.
     const bool is_heard = peer.channel && peer.channel->window.next() > 0;
     const std::uint64_t patience = std::uint64_t{def.relay_silence_ms} * (is_heard ? 1 : 2);
     if (now - std::max(peer.heard_ms, peer.relay_changed_ms) <= patience) return;

@@ -18,7 +18,8 @@ std::uint64_t ReplayWindow::restored(std::uint16_t low) const {
 
 bool ReplayWindow::is_fresh(std::uint64_t number) const {
     if (number >= end) return true;
-    // The word of the newest number is written over the oldest one, so the oldest word is no longer there in full.
+    // The word of the newest numbers has replaced the oldest word, so the numbers of the oldest word count
+    // as too old.
     if (number / 64 + words <= (end - 1) / 64) return false;
     return (seen[number / 64 % words] & bit(number)) == 0;
 }

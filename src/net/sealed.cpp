@@ -1,5 +1,6 @@
-// Packets under a pair's keys: first byte, low 16 bits of the number, ciphertext, tag. And how a player's address changes:
-// an authentic packet newer than all others comes from elsewhere, a challenge goes there, the answer comes from there.
+// Encrypted packets between two players: first byte, low 16 bits of the number, ciphertext, tag. And
+// address changes: if an authentic packet, newer than all others, comes from a new address, a challenge
+// goes to that address, and its answer must come from there.
 #include "net/endpoint.h"
 
 #include "base/bytes.h"
@@ -43,7 +44,7 @@ Endpoint::Impl::Fault Endpoint::Impl::open(Channel& channel, Bytes datagram, Spa
     return {};
 }
 
-/// With the keys in use, then with those of a handshake that waits for its first packet.
+/// Decrypts with the present keys, else with those of a handshake that waits for its first packet.
 Endpoint::Impl::Fault Endpoint::Impl::open_any(Peer& peer, Bytes datagram, Space plain,
                                                std::uint64_t& number) {
     Fault fault = NetFault::unexpected; // no keys yet
@@ -52,7 +53,7 @@ Endpoint::Impl::Fault Endpoint::Impl::open_any(Peer& peer, Bytes datagram, Space
     if (const Fault other = open(peer.pending->channel, datagram, plain, number))
         return peer.channel ? fault : other;
     peer.channel = peer.pending->channel, peer.channel_nonce = peer.pending->nonce;
-    // The cookie has proven the address that the request came from, and no other.
+    // The cookie has proven the address of the request, and no other one.
     peer.address = peer.pending->from;
     if (has_relay()) peer.listed = peer.address;
     peer.pending.reset();
@@ -85,7 +86,8 @@ Endpoint::Impl::Fault Endpoint::Impl::apply(PeerId slot, const NetAddress& from,
     return {};
 }
 
-/// The challenge is no longer than what it answers, so that a replayed packet draws no more than itself.
+/// Sends a challenge, never longer than the packet that causes it: so a replayed packet causes no
+/// amplification.
 void Endpoint::Impl::judge_path(PeerId slot, const NetAddress& from, std::size_t size) {
     Peer& peer = peers[slot];
     if (size < net_overhead_bytes + control_bytes) return;

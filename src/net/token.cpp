@@ -1,4 +1,4 @@
-// Tokens and passes: made, sealed, opened. Formats in README.md.
+// Tokens and passes: creation, encryption, decryption. For the formats see README.md.
 #include "net/crypto.h"
 
 #include "base/bytes.h"
@@ -10,9 +10,9 @@ namespace {
 
 using net::Bytes;
 
-constexpr std::size_t pass_bytes_max = 256; // of a sealed pass inside a token
+constexpr std::size_t pass_bytes_max = 256; // of a sealed pass in a token
 
-/// What stands before the sealed part, and is authenticated with it.
+/// The head before the sealed part, authenticated with it: magic and version.
 std::uint8_t version_of(std::string_view magic) { return magic == "LSTK" ? token_version : net_version; }
 std::vector<std::byte> head(std::string_view magic) {
     std::vector<std::byte> bytes;
@@ -62,7 +62,7 @@ NetKey read_key(base::ByteReader& from, std::string_view what) {
     return key;
 }
 
-/// The relay's secret is an X25519 key too; a key has one use.
+/// Derives the key of passes. The relay's secret is an X25519 key, and a key should have one use only.
 NetKey pass_key(const NetKey& relay_secret) {
     return net::derived(relay_secret, std::as_bytes(std::span("lockstone relay pass")));
 }
@@ -92,13 +92,13 @@ RelaySeat read_relay(base::ByteReader& from) {
     return seat;
 }
 
-/// A lobby's token has a pass, and not yet the address that its player asks at.
+/// A token of a lobby has a pass, but not yet the relay's address, which the client adds.
 std::uint8_t relays_of(const ConnectToken& token) {
     if (token.relay.port == 0 && token.pass.empty()) return 0;
     return token.second_relay.address.port == 0 ? 1 : 2;
 }
 
-/// What tokens and passes begin with: the match, its end, the seat.
+/// The common first fields of tokens and passes: match, expiry, seat.
 template <class T> void write_seat(base::ByteWriter& to, const T& t) {
     to.u64(t.match_id);
     to.u64(t.expires_ms);
@@ -212,7 +212,7 @@ Result<std::vector<ConnectToken>> make_tokens(const MatchPlan& plan) {
         ConnectToken& own = tokens[slot];
         own.slot = slot, own.secret = random_key(), own.relay_key = random_key();
         const NetKey public_key = public_key_of(own.secret);
-        // Behind a relay no player learns another's address.
+        // In a match with a relay, no player learns the address of another.
         const NetAddress address = plan.relay.port == 0 ? plan.addresses[slot] : NetAddress{};
         for (ConnectToken& token : tokens)
             token.public_keys[slot] = public_key, token.addresses[slot] = address;

@@ -1,4 +1,4 @@
-// What a tick leaves behind and no later one may see, made different: for tests and proofs.
+// Changes data that a tick leaves behind and no later tick may read, for tests and proofs.
 #include "prove/disturb.h"
 
 #include "lockstone/math/random.h"
@@ -41,7 +41,7 @@ std::string order_fault(const World& world) {
 namespace lockstone::sim {
 
 void disturb(Data& w, testing::Leftover what, std::uint64_t seed) {
-    find_contact_points(w); // which are made of scratch
+    find_contact_points(w); // first, as they are computed from scratch memory
     Random random = Random::seeded(seed);
     switch (what) {
     case testing::Leftover::scratch:

@@ -5,7 +5,7 @@
 
 namespace lockstone::sim {
 
-/// testing::disturb() of a world's inside.
+/// testing::disturb() for the data of a world.
 void disturb(Data& w, testing::Leftover what, std::uint64_t seed);
 
 } // namespace lockstone::sim

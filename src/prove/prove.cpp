@@ -27,7 +27,7 @@ Status Provable::load_delta(std::span<const std::byte>, std::span<const std::byt
 
 namespace {
 
-/// Leaves memory behind that is not what it was: blocks of many sizes, filled and given back, some kept meanwhile.
+/// Changes the contents of freed memory: allocates blocks of many sizes, fills them and frees half of them.
 class Stirred {
   public:
     explicit Stirred(std::uint64_t seed) : random(Random::seeded(seed)) {}
@@ -45,24 +45,24 @@ class Stirred {
     std::vector<std::vector<std::byte>> blocks;
 };
 
-/// What every check starts from: the run that never stopped.
+/// The reference of every check: the states and hashes of one run without interruption.
 struct Course {
     const Provable& start;
     ProofOptions options;
     std::vector<std::uint64_t> hashes;          ///< before tick t, and at the end
-    std::vector<std::vector<std::byte>> states; ///< as saved there
+    std::vector<std::vector<std::byte>> states; ///< the saved states at the same times
     std::unique_ptr<Provable> at(std::uint64_t t) const {
         std::unique_ptr<Provable> one = start.make();
         return one->load(states[t]).ok() ? std::move(one) : nullptr;
     }
 };
 
-/// Counts what agrees, keeps the first thing that does not.
+/// Counts equal hashes, and keeps the first difference.
 class Check {
   public:
     Check(const Course& course, std::string name) : run(course), result{std::move(name), true, 0, {}} {}
     bool good() const { return result.passed; }
-    /// `one` stands before tick t of the run.
+    /// Compares `one`, whose next tick is t, with the reference.
     bool same(const Provable& one, std::uint64_t t, const std::string& how) {
         ++result.compared;
         if (one.hash() == run.hashes[t]) return true;
@@ -89,7 +89,7 @@ class Check {
     ProofCheck result;
 };
 
-/// Runs `one`, which stands before tick `from`, to `end`, and compares all the way.
+/// Runs `one`, whose next tick is `from`, up to tick `end`, and compares each hash.
 bool follows(Check& check, Provable& one, std::uint64_t from, std::uint64_t end, const std::string& how) {
     for (std::uint64_t t = from; t < end; ++t) {
         one.step(t);
@@ -176,7 +176,7 @@ ProofCheck reads_no_leftovers(const Course& run) {
     return std::move(check).finish();
 }
 
-/// State t out of an earlier one. Whether that is not taken for the difference to another.
+/// Makes state t from an earlier state and a delta. Then checks that the delta is refused for another base.
 bool sends(Check& check, const Course& run, Provable& to, std::uint64_t base, std::uint64_t t) {
     const std::unique_ptr<Provable> from = run.at(t);
     const auto delta = from == nullptr ? std::nullopt : from->save_delta(run.states[base]);
@@ -221,10 +221,10 @@ ProofCheck shuffles(const Course& run) {
     return result;
 }
 
-/// How a simulation runs its ticks. No hash depends on it.
+/// The way in which a simulation runs its ticks. No hash depends on it.
 struct Mode {
-    std::optional<Simd> simd; ///< without a value: the simulation has no choice
-    Tasks* tasks;             ///< null: ticks have no parts
+    std::optional<Simd> simd; ///< empty: the simulation offers no choice
+    Tasks* tasks;             ///< null: ticks are not split
     std::string name;         ///< ", avx2, 3 workers"
 
     std::unique_ptr<Provable> make(const Provable& start) const {
@@ -235,7 +235,8 @@ struct Mode {
     }
 };
 
-/// Runs in a mode to the end. Before one random tick, and before each other tick with a chance of one in eight, a new object of the mode loads the state.
+/// Runs in a mode to the end. Before one random tick, and before each other tick with a chance of one in eight, a new
+/// object of the mode loads the state.
 void runs_in_mode(Check& check, const Course& run, const Mode& mode, Random& random) {
     const std::uint64_t once = random.next_u64() % run.options.ticks;
     std::unique_ptr<Provable> one = mode.make(run.start);
@@ -252,7 +253,7 @@ void runs_in_mode(Check& check, const Course& run, const Mode& mode, Random& ran
     one->set_tasks(nullptr);
 }
 
-/// The instruction sets that a simulation takes on this machine; one without a value where it has no choice.
+/// The instruction sets that a simulation supports on this machine; a single empty entry if it offers no choice.
 std::vector<std::optional<Simd>> instruction_sets(Provable& one) {
     std::vector<std::optional<Simd>> sets;
     for (const Simd level : every_simd)

@@ -1,4 +1,4 @@
-// A game and its world as what prove() takes.
+// Adapts a game and its world to prove().
 #include "lockstone/prove.h"
 #include "lockstone/testing.h"
 
@@ -19,7 +19,7 @@ void random_input(std::uint64_t seed, std::uint64_t tick, std::uint32_t player, 
 
 class ProvableWorld final : public Provable {
   public:
-    /// `first` is the world before tick 0. Game and input outlive it.
+    /// `first` is the world before tick 0. The game, the input and `first` must outlive this object.
     ProvableWorld(const Game& rules, const ProofInput& player_input, const World& first)
         : game(rules), input(player_input), start(first), world(first.clone()),
           bytes(rules.player_count(), std::vector<std::byte>(rules.input_size())),
@@ -36,7 +36,7 @@ class ProvableWorld final : public Provable {
         }
         status = game.advance(world, inputs);
     }
-    /// Of the last step.
+    /// The status of the last step.
     const Status& last_step() const { return status; }
     std::vector<std::byte> save() const override { return world.save_portable(); }
     Status load(std::span<const std::byte> from) override {
@@ -115,7 +115,7 @@ class ProvableWorld final : public Provable {
     Status status;
 };
 
-/// A sentence about the first difference of two worlds that a game started, or an empty text.
+/// A sentence about the first difference of two worlds that a game started; empty if they are equal.
 std::string difference_of_starts(const World& first, const World& second) {
     if (first.hash() == second.hash()) return {};
     if (first.state().layout().schema_hash() != second.state().layout().schema_hash())

@@ -1,4 +1,5 @@
-// The small worlds of the self test. Each draw is a statement: compilers differ in the order in which they compute the arguments of a call.
+// The small worlds of the self test. Each random draw is its own statement, as compilers differ in the order in which
+// they compute the arguments of a call.
 #include "prove/random_world.h"
 
 #include <algorithm>
@@ -8,9 +9,9 @@ namespace lockstone::proofs {
 
 namespace {
 
-constexpr Real spacing = 1_r; ///< [m], of the grid that bodies begin in
+constexpr Real spacing = 1_r; ///< [m], of the grid on which bodies start
 
-/// Memory that is taken at once.
+/// Capacity that is reserved at the start.
 constexpr WorldRows rows{
     .bodies = 64, .shapes = 64, .contacts = 256, .fields = 4, .pair_filters = 8, .joints = 16};
 
@@ -19,7 +20,8 @@ WorldDef definition(std::uint64_t seed) {
     def.substeps = static_cast<std::uint32_t>(1 + seed % 3);
     def.integrator = static_cast<Integrator>(seed % 4);
     def.restitution_speed_min = 0.25_r;
-    // Bodies are at rest below a speed that many have, so that islands fall asleep and wake within the ticks of a test.
+    // The sleep speed is above the speed of many bodies, so that islands fall asleep and wake within the ticks of a
+    // test.
     def.sleep_speed = seed % 2 == 0 ? 0.4_r : 0.03_r;
     def.sleep_time = 0.02_r;
     def.seed = seed;
@@ -127,7 +129,7 @@ Quat RandomWorld::turn() {
 
 ShapeDef RandomWorld::shape() {
     ShapeDef def;
-    const std::uint32_t kind = random.below(12); // of 8 and more: a sphere or a box
+    const std::uint32_t kind = random.below(12); // 8 and more: a sphere or a box
     const Real a = between(0.2_r, 0.44_r);
     def.geometry = primitive(kind < 8 ? kind : kind % 2 * 4, a, between(0.15_r, 0.4_r));
     def.density = between(100_r, 2000_r);
@@ -201,7 +203,7 @@ void RandomWorld::add_fields(std::uint64_t seed) {
 }
 
 void RandomWorld::add_bodies(std::uint64_t seed) {
-    // More pairs than a chunk of contacts has, so that workers share them; in one world more bodies than a chunk has.
+    // More pairs than a chunk of contacts has, so that workers share them; one world has more bodies than a chunk.
     const std::uint32_t count = seed % 20 == 10 ? 34 : 14 + random.below(3);
     for (std::uint32_t i = 0; i < count; ++i) {
         Transform pose;
@@ -225,7 +227,7 @@ void RandomWorld::join(JointDef def, BodyId a, BodyId b) {
     taken(world.create_joint(def, a, b, at));
 }
 
-/// A chain of several kinds and single pairs; every third world has a few, others more.
+/// Adds a chain of joints of several kinds; every third world has three joints, the others six.
 void RandomWorld::add_joints(std::uint64_t seed) {
     const std::uint32_t count = seed % 3 == 0 ? 3 : 6;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -242,7 +244,7 @@ Result<RandomWorld> RandomWorld::make(std::uint64_t seed) {
     if (Status room = made.world.reserve(rows); !room) return room.error();
     made.add_scenery(seed);
     made.add_bodies(seed);
-    if (!made.refusal) made.add_joints(seed); // reads where the bodies are
+    if (!made.refusal) made.add_joints(seed); // needs the poses of the bodies
     made.add_fields(seed);
     if (made.refusal) return *made.refusal;
     made.world.save(made.start.image);

@@ -8,15 +8,16 @@
 
 namespace lockstone::proofs {
 
-/// A small world and the commands before each of its ticks, both by a seed: primitives of every kind, joints, fields, a kinematic body, axis locks,
-/// bodies that sleep.
+/// A small world and the commands before each of its ticks, both generated from a seed: primitives of every kind,
+/// joints, fields, a kinematic body, axis locks, bodies that sleep.
 class RandomWorld {
   public:
-    /// The error of the first command that the world refuses; there is none in a library that is compiled right.
+    /// Returns the error of the first command that the world refuses; there is none if the library is compiled
+    /// correctly.
     static Result<RandomWorld> make(std::uint64_t seed);
-    /// Back to the first tick, from which step() does the same again.
+    /// Returns to the first tick; step() then repeats the same commands.
     void rewind();
-    /// A few commands, then a tick. The error of the first command that the world refuses.
+    /// Applies a few commands, then runs a tick. Returns the error of the first command that the world refuses.
     Status step();
 
     World world;
@@ -43,13 +44,13 @@ class RandomWorld {
     void command();
 
     Random random;
-    std::vector<BodyId> bodies;   ///< the dynamic ones
-    std::optional<Error> refusal; ///< of the first command that the world refused
+    std::vector<BodyId> bodies;   ///< the dynamic bodies
+    std::optional<Error> refusal; ///< the error of the first command that the world refused
     struct {
         Image image;
         Random random;
         std::vector<BodyId> bodies;
-    } start; ///< before the first tick
+    } start; ///< data from before the first tick
 };
 
 } // namespace lockstone::proofs

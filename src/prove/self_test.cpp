@@ -1,4 +1,4 @@
-// The self test: small worlds by seeds, their hashes after every tick against stored ones.
+// The self test: runs small worlds from seeds, and compares their hashes after every tick with stored hashes.
 #include "base/text.h"
 #include "lockstone/prove.h"
 #include "lockstone/testing.h"
@@ -16,7 +16,7 @@ using testing::self_test_worlds;
 
 struct SelfTestMode {
     Simd simd;
-    Tasks* tasks; ///< null: none
+    Tasks* tasks; ///< null: no tasks
     std::string name() const {
         return base::join(name_of(simd), tasks != nullptr ? " with tasks in random order" : "");
     }

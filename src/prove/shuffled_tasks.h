@@ -8,7 +8,7 @@
 
 namespace lockstone::proofs {
 
-/// One thread that takes the items in random order and says it is another worker each time.
+/// Tasks on one thread that run the items in random order, each with a random worker index.
 class ShuffledTasks final : public Tasks {
   public:
     explicit ShuffledTasks(std::uint64_t seed) : random(Random::seeded(seed)) {}

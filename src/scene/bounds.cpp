@@ -1,4 +1,4 @@
-// Where shapes are: world poses, how far ahead their contacts reach, their bounds in the broad phase.
+// World poses, margins and bounds of shapes, and their leaves in the broad phase.
 #include "base/parallel.h"
 #include "base/prefetch.h"
 #include "model/sleep.h"
@@ -15,7 +15,7 @@ namespace lockstone::sim {
 
 namespace {
 
-/// Most shapes stand in the middle of their body, and as it does.
+/// Most shapes have the position and the axes of their body; the function then skips the products.
 Transform shape_pose(const ShapeTraits& shape, const Transform& body, const BodyMass& mass) {
     const bool is_turned = shape.local.rotation != Quat::identity();
     return {shape.local.position == mass.center
@@ -24,9 +24,10 @@ Transform shape_pose(const ShapeTraits& shape, const Transform& body, const Body
             is_turned ? normalized(body.rotation * shape.local.rotation) : body.rotation};
 }
 
-/// Contacts of a fast body are found before it arrives, as far ahead as its own size, so it lands on surfaces; twice that where
-/// a joint holds it, for what the sweep stops alone leaves its joints behind. The ends of a thin shape that turns move farther than its inner
-/// radius, and the sweep lets a shape turn in that touches something, so the margin includes their way.
+/// A fast body gets contacts before it arrives, as far ahead as its own size, so it lands on surfaces; twice as far
+/// ahead if it has a joint, as the joints lose a body that only the sweep stops. Rotation moves the ends of a thin
+/// shape farther than its inner radius, and the sweep lets a touching shape rotate into the other shape, so the margin
+/// includes the path of the ends.
 Length margin_of(const PlacedShapes::Shape& at, const BodyInfo& info, const Velocity& velocity,
                  std::uint32_t tick_rate) {
     const Length ahead = ahead_of(velocity.linear, tick_rate),
@@ -34,7 +35,7 @@ Length margin_of(const PlacedShapes::Shape& at, const BodyInfo& info, const Velo
     return margin_base + min(ahead, most) + turn_ahead_of(at, velocity.angular, tick_rate);
 }
 
-/// The columns that every shape looks at, found once for many.
+/// The columns that the work on every shape reads, looked up once.
 struct PlaceView {
     std::span<const ShapeRow> shapes;
     std::span<const Slot> slots;
@@ -54,7 +55,7 @@ struct PlaceView {
           shift(static_cast<int>(w.config().bounds_shift)) {}
 };
 
-/// Where a shape is whose solid is known, but for axes and bounds.
+/// Sets the pose and the margin of a shape whose solid is known.
 void set_pose(const PlaceView& v, const ShapeTraits& shape, std::uint32_t body_row, PlacedShapes::Shape& at) {
     const BodyInfo& info = v.info[body_row];
     const Geometry& geometry = at.solid.geometry;
@@ -64,7 +65,7 @@ void set_pose(const PlaceView& v, const ShapeTraits& shape, std::uint32_t body_r
     at.has_axes = geometry.kind != ShapeKind::sphere || geometry.half_extent != LengthVec3{};
 }
 
-/// Axes and bounds at its pose.
+/// Computes the axes and bounds at the shape's pose.
 void set_bounds(const PlaceView& v, PlacedShapes::Shape& at) {
     const Geometry& geometry = at.solid.geometry;
     if (!at.has_axes) {
@@ -76,13 +77,14 @@ void set_bounds(const PlaceView& v, PlacedShapes::Shape& at) {
         at.bounds = collide::bounds_of(at.solid, at.pose.position, at.axes, at.margin, v.shift);
 }
 
-/// Tells the broad phase. Shapes of what rests lie in its still tree; no two of them meet.
+/// Passes a shape to the broad phase. Resting shapes are in its still tree; the broad phase makes no pairs of two of
+/// them.
 void hand_over(const Model& w, PlacedShapes& s, const ShapeRow& shape, std::uint32_t body_row) {
     const std::uint32_t slot = shape.id.index - 1;
     PlacedShapes::Shape& at = s.shape[slot];
     at.rests = !is_awake(w, body_row);
     if (at.solid.geometry.kind == ShapeKind::plane) {
-        // Before a restore this slot and generation may have held a shape with bounds.
+        // Before a restore, a shape with bounds may have had this slot and generation.
         if (s.proxy_generation[slot] != 0) s.broad_phase.remove(slot);
         s.proxy_generation[slot] = 0;
         return;
@@ -105,7 +107,7 @@ void set_proxy(const Model& w, PlacedShapes& s, const ShapeRow& shape, std::uint
     hand_over(w, s, shape, body_row);
 }
 
-/// As set_proxy, when the shape has not lain there since before.
+/// Like set_proxy(), but returns early if the broad phase already holds the resting shape at this place.
 void set_resting_proxy(const Model& w, PlacedShapes& s, const ShapeRow& shape, std::uint32_t body_row) {
     const PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
     const bool is_there = at.rests && s.proxy_generation[shape.id.index - 1] == shape.id.generation &&
@@ -128,7 +130,7 @@ template <class Visit> void for_each_shape(const Model& w, std::uint32_t body_ro
 
 constexpr std::uint32_t bodies_per_chunk = 32;
 
-/// As ==, in fewer steps: a geometry has no gaps.
+/// Equal to operator==, in fewer steps: a geometry has no padding.
 bool is_same(const Geometry& a, const Geometry& b) {
     using Words = std::array<std::uint64_t, sizeof(Geometry) / sizeof(std::uint64_t)>;
     const Words x = std::bit_cast<Words>(a), y = std::bit_cast<Words>(b);
@@ -137,7 +139,7 @@ bool is_same(const Geometry& a, const Geometry& b) {
     return other == 0;
 }
 
-/// Places shapes whose solids are known. Writes nothing but them.
+/// Places shapes whose solids are known. Writes only to these shapes.
 class Placing {
   public:
     Placing(const PlaceView& view, const collide::BoundsKernel* bounds_kernel, const base::Paths& taken)
@@ -153,7 +155,7 @@ class Placing {
         put(at);
         if (count == collide::RoundBoxes::room) finish();
     }
-    /// Axes and bounds of those that are left.
+    /// Computes axes and bounds of the shapes that are still in the batch.
     void finish() {
         if (count == 0) return;
         fill_up();
@@ -164,7 +166,7 @@ class Placing {
     }
 
   private:
-    /// Whether the kernel places it.
+    /// Returns true if the kernel supports the geometry.
     static bool is_round_box(const Geometry& g) {
         return (g.kind == ShapeKind::capsule || g.kind == ShapeKind::box) && g.scale.x == scale_one.x;
     }
@@ -182,7 +184,7 @@ class Placing {
         boxes.half[2][count] = is_box ? g.half_extent.z.raw : 0;
         ++count;
     }
-    /// The entries that a kernel takes along: nothing is left of them.
+    /// Fills the unused lanes of the kernel. The code ignores their results.
     void fill_up() {
         for (std::uint32_t i = count; i % collide::RoundBoxes::lanes_max != 0; ++i) {
             boxes.rotation[i] = &unturned.x.raw, boxes.axes[i] = boxes.bounds[i] = spare;
@@ -201,7 +203,7 @@ class Placing {
     collide::RoundBoxes boxes;
 };
 
-/// How far a body goes in a tick at its velocity.
+/// The distance that a body moves in a tick at its velocity.
 Vector3<Bound> motion_of(const PlaceView& v, std::uint32_t row) {
     const SpeedVec3& velocity = v.velocities[row].linear;
     const auto one = [&](Speed s) {
@@ -211,8 +213,8 @@ Vector3<Bound> motion_of(const PlaceView& v, std::uint32_t row) {
     return {one(velocity.x), one(velocity.y), one(velocity.z)};
 }
 
-/// Tells the broad phase of a shape that has left its leaf, or has none. A solid that is not known is found then too: finding one
-/// changes what all share.
+/// Passes a shape that has left its leaf, or has none, to the broad phase. Resolves its solid if that is not known:
+/// this changes data that all workers share, so it happens here, on one thread.
 void hand_over_moved(const Model& w, const PlaceView& v, PlacedShapes& s, const ShapeRow& shape,
                      std::uint32_t row) {
     const std::uint32_t slot = shape.id.index - 1;
@@ -225,7 +227,8 @@ void hand_over_moved(const Model& w, const PlaceView& v, PlacedShapes& s, const 
     s.proxy_generation[slot] = shape.id.generation;
 }
 
-/// Tells the broad phase of a shape that awake bodies have and that stays within its leaf. False: it does not, and nothing was done.
+/// Updates a shape of an awake body in the broad phase if it stays within its leaf. Returns false, and changes
+/// nothing, if it does not.
 inline bool hand_over_within(PlacedShapes& s, const ShapeRow& shape) {
     const std::uint32_t slot = shape.id.index - 1;
     PlacedShapes::Shape& at = s.shape[slot];
@@ -237,7 +240,8 @@ inline bool hand_over_within(PlacedShapes& s, const ShapeRow& shape) {
     return true;
 }
 
-/// Where the shapes of the awake bodies are, by workers; then the broad phase hears of those that have left their leaves, by one and in order.
+/// Workers place the shapes of the awake bodies. Then one thread passes those that have left their leaves to the
+/// broad phase, in order.
 void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
     const std::uint32_t awake = w.header().bodies_awake;
     const PlaceView v(w);
@@ -267,7 +271,7 @@ void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
     s.paths.take(base::is_shared(tasks, awake, bodies_per_chunk), base::Path::bounds_by_one,
                  base::Path::bounds_by_workers);
     if (tasks == nullptr) {
-        for (std::uint32_t first = 0; first < awake; first += bodies_per_chunk) { // while they are at hand
+        for (std::uint32_t first = 0; first < awake; first += bodies_per_chunk) { // while shapes are cached
             const std::uint32_t last = std::min(first + bodies_per_chunk, awake);
             place(first, last, 0);
             for (std::uint32_t row = first; row < last; ++row) tell(row);
@@ -310,7 +314,7 @@ void set_resting_proxies(const Model& w, PlacedShapes& s, std::uint32_t first_bo
         for_each_shape(w, row, [&](const ShapeRow& shape) { set_resting_proxy(w, s, shape, row); });
 }
 
-/// A shape that may not have been there before.
+/// Handles a shape that may be new.
 void meet_shape(const Model& w, PlacedShapes& s, const ShapeRow& shape) {
     std::vector<std::uint32_t>& planes = s.planes;
     const std::uint32_t slot = shape.id.index - 1, body_row = w.row_of(shape.body);
@@ -321,7 +325,8 @@ void meet_shape(const Model& w, PlacedShapes& s, const ShapeRow& shape) {
     if (!is_awake(w, body_row)) set_resting_proxy(w, s, shape, body_row);
 }
 
-/// Filters of the shapes that may be others than when it was last called; `s.changed` has the rows of the table of shapes then.
+/// Updates the filters of the shapes that may have changed since the last call. Leaves the changed rows of the table
+/// of shapes in `s.changed`.
 void take_shape_changes(const Model& w, PlacedShapes& s) {
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
     const auto note = [&](std::uint32_t first, std::uint32_t end) {
@@ -338,8 +343,9 @@ void take_shape_changes(const Model& w, PlacedShapes& s) {
     for (const RowRange& range : s.changed) note(range.first, range.end);
 }
 
-/// Proxies of what rests, and the planes, after anything may have happened to the state. Where the pages of a shape and of
-/// its body are those of the last time, and the body rested then too, its proxy is right: what made it has not changed.
+/// Updates the proxies of resting shapes, and the list of planes, after any change of the state. If the pages of a
+/// shape and of its body have not changed since the last call, and the body rested then too, the proxy is still
+/// right.
 void update_resting(const Model& w, PlacedShapes& s) {
     const State& state = w.state;
     const std::uint32_t slots_before = state.take_changes(w.m.shape_slot.index, s.proxies_of, s.changed);
@@ -357,7 +363,7 @@ void update_resting(const Model& w, PlacedShapes& s) {
         state.take_changes(column, s.proxies_of, s.changed);
         for (const RowRange& range : s.changed) set_resting_proxies(w, s, range.first, range.end);
     }
-    // Awake then, and now not: the pages may be those of an earlier time.
+    // Bodies that were awake then and rest now: their pages may be from before that call.
     set_resting_proxies(w, s, w.header().bodies_awake, std::min(s.awake_before, state.count(w.m.bodies)));
     for (const std::uint32_t slot : s.solids_replaced)
         if (slot < state.count(w.m.shape_slots) && state.rows(w.m.shape_slot)[slot].is_alive())
@@ -365,7 +371,7 @@ void update_resting(const Model& w, PlacedShapes& s) {
     s.solids_replaced.clear();
 }
 
-/// The same when nothing that rests has changed: only what is awake, and who is.
+/// Skips the changes of resting shapes: used when only awake bodies, and the set of awake bodies, have changed.
 void pass_over_changes(const Model& w, PlacedShapes& s) {
     take_shape_changes(w, s);
     for (const std::uint32_t column : {w.m.shape_slot.index, w.m.body_info.index, w.m.body_pose.index})
@@ -376,7 +382,7 @@ void pass_over_changes(const Model& w, PlacedShapes& s) {
 
 void PlacedShapes::fit(std::uint32_t shape_slots) {
     if (shape_slots <= shape.size()) return;
-    shape.reserve(shape_slots), shape.resize(shape_slots); // no more than that: the state grows in steps
+    shape.reserve(shape_slots), shape.resize(shape_slots); // not more than needed: the state grows in steps
     proxy_generation.reserve(shape_slots), proxy_generation.resize(shape_slots, 0);
     broad_phase.grow(shape_slots);
 }
@@ -389,20 +395,21 @@ void PlacedShapes::reserve(std::uint32_t shape_slots) {
 
 namespace {
 
-/// At least the length of a vector and at most an eighth more, within the range of a Speed: margins end far below that.
+/// A bound of at least the length of a vector and at most an eighth more, within the range of a Speed: margins end
+/// far below that.
 std::int64_t length_bound(SpeedVec3 v) {
     const auto size = [](Speed s) { return static_cast<std::int64_t>(magnitude(s.raw)); };
     const std::int64_t x = size(v.x), y = size(v.y), z = size(v.z), widest = std::max(x, std::max(y, z));
     return std::min(widest + ((x + y + z - widest + 1) >> 1), std::int64_t{Speed::max().raw});
 }
 
-/// The way of a speed [m/s, Length] in a tick, rounded up to steps.
+/// The distance covered in a tick at a speed [m/s, Length], rounded up to steps.
 Length in_steps(std::int64_t speed, std::uint32_t tick_rate) {
-    // 2 ahead <= margin_base, without the division: most bodies are slow.
+    // Tests 2 ahead <= margin_base without a division: most bodies are slow.
     if (speed < std::int64_t{margin_base.raw / 2} * tick_rate) return Length{};
     const std::int64_t ahead = speed / tick_rate + 1;
     const std::int64_t steps = (ahead + margin_base.raw - 1) / margin_base.raw;
-    // Up to eight steps each counts, then up to sixteen every second one, and so on.
+    // Up to eight, every number of steps is possible; up to sixteen, every second one; and so on.
     const int coarser =
         std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(steps - 1))) - 3);
     return to<Length>(Coordinate::from_raw(margin_base.raw * ((((steps - 1) >> coarser) + 1) << coarser)));
@@ -429,7 +436,7 @@ const shapes::Solid& solid_of(const Model& w, PlacedShapes& s, const ShapeRow& s
     Result<shapes::Solid> solid = s.solids.resolve(w.traits_of(shape).geometry);
     LOCKSTONE_ASSERT(solid.ok(), "shape ", shape.id.index, ": ", solid.ok() ? "" : solid.error().message);
     if (at.rests) s.solids_replaced.push_back(shape.id.index - 1);
-    at.rests = false; // its bounds are of the other solid
+    at.rests = false; // its bounds belong to the other solid
     at.solid = *solid;
     at.has_pieces = at.solid.mesh != nullptr || at.solid.height_field != nullptr;
     at.reach = at.solid.geometry.kind == ShapeKind::plane ? Coordinate{} : shapes::reach_of(at.solid);

@@ -1,4 +1,4 @@
-// The mass of a body is that of its shapes.
+// The mass of a body, computed from its shapes.
 #include "lockstone/math/math.h"
 #include "model/checks.h"
 #include "scene/placed_shapes.h"
@@ -7,8 +7,8 @@
 
 namespace lockstone::sim {
 
-/// How far a body's shapes reach from its origin: stands in for the gyration radius of one that nothing turns, so that
-/// the solver's rows of its contacts stay within their format.
+/// The greatest distance of a body's shapes from its origin. Used as the gyration radius of a body that no torque
+/// turns, so that the solver's rows of its contacts stay within their number format.
 static Real reach_of(const Model& w, PlacedShapes& s, const BodyInfo& info) {
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
@@ -37,7 +37,7 @@ void update_mass(Model& w, PlacedShapes& s, std::uint32_t row) {
             parts.push_back({shapes::mass_properties(solid_of(w, s, shape), w.traits_of(shape).density),
                              w.traits_of(shape).local});
     }
-    std::reverse(parts.begin(), parts.end()); // in order of creation
+    std::reverse(parts.begin(), parts.end()); // into the order of creation
     const MassProperties total = combine(parts);
     const PrincipalGyration principal = principal_gyration(total);
     BodyMass mass{};

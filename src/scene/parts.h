@@ -5,7 +5,8 @@
 
 namespace lockstone::sim {
 
-/// Calls visit(part, place in the body, number): itself, or the parts of a compound. What is no volume has none.
+/// Calls visit(part, pose in the body, index) for the solid itself or for each part of a compound. Solids without
+/// volume have no parts.
 template <class Visit> void for_each_part(const shapes::Solid& solid, const Transform& local, Visit&& visit) {
     if (solid.geometry.kind == ShapeKind::compound) {
         for (std::size_t i = 0; i < solid.compound->parts.size(); ++i)

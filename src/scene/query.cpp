@@ -1,5 +1,5 @@
-// The queries of a world. They bring poses, bounds and the broad phase up to the state, which changes nothing
-// that a tick could see, and ask src/collide.
+// The queries of a world. They update poses, bounds and the broad phase to the state, which changes nothing that a
+// tick reads, and call src/collide.
 #include "scene/query.h"
 
 #include "collide/query/cast_line.h"
@@ -20,7 +20,7 @@ void refresh(const Scene& scene) {
     scene.placed.broad_phase.update_trees();
 }
 
-/// One who asks: over fresh caches, which nobody changes meanwhile, and with memory of its own.
+/// One query: updated caches, which do not change during its lifetime, and its own scratch memory.
 class Asking {
   public:
     explicit Asking(const Scene& scene) : w(scene.model), placed(scene.placed), query(scene.query) {
@@ -56,15 +56,15 @@ const ShapeRow& row_of_slot(const Model& w, std::uint32_t slot) {
     return w.state.rows(w.m.shape)[w.state.rows(w.m.shape_slot)[slot].row];
 }
 
-/// What is cast: a ray, or a solid at a pose.
+/// The moving object of a cast: a ray, or a solid at a pose.
 struct Cast {
     Vec3 from, way;
     const shapes::Solid* solid; ///< null: a ray
     Quat rotation;
     Coordinate reach;
-    collide::NearFaces* near; ///< of a ball that is cast again and again, else null
-    bool sees_overlaps;       ///< a shape that it overlaps at the start is hit there; else it is not seen
-    collide::Line line;       ///< from 0 along the way, world axes
+    collide::NearFaces* near; ///< the cache of a ball that is cast again and again, else null
+    bool sees_overlaps; ///< a shape that overlaps the object at the start is a hit; if false, it is ignored
+    collide::Line line; ///< from 0 along the path, world axes
 };
 
 bool make_cast(Vec3 from, Vec3 way, const QueryFilter& filter, Cast& out) {
@@ -81,7 +81,7 @@ bool make_cast(Vec3 from, Vec3 way, const QueryFilter& filter, Cast& out) {
            out.line.length_30 <= query_length_max.raw >> 2;
 }
 
-/// The same as another from elsewhere.
+/// Makes a cast like `other` from another point, if the path is equal.
 bool make_cast_beside(Vec3 from, Vec3 way, const QueryFilter& filter, const Cast& other, Cast& out) {
     if (way != other.way) return make_cast(from, way, filter, out);
     out = other;
@@ -89,15 +89,15 @@ bool make_cast_beside(Vec3 from, Vec3 way, const QueryFilter& filter, const Cast
     return true;
 }
 
-/// A solid that can be cast, or asked about; false otherwise.
+/// Resolves a geometry to a solid. Returns false if it cannot be cast or queried.
 bool find_solid(const Scene& scene, const Geometry& geometry, shapes::Solid& out) {
-    const base::Holds holds(scene.query.lock); // scaled hulls are kept
+    const base::Holds holds(scene.query.lock); // the solids are a cache, which keeps scaled hulls
     const Result<shapes::Solid> solid = scene.placed.solids.resolve(geometry);
     if (!solid || solid->geometry.kind >= ShapeKind::height_field) return false;
     out = *solid;
     return true;
 }
-
+///< A frame of the plane with its origin below a point.
 /// Where a plane's frame is for something at a point: straight below it.
 Transform plane_below(const Transform& plane, Vec3 point) {
     const UnitVec3 n = to_rotation(plane.rotation).y;
@@ -105,10 +105,10 @@ Transform plane_below(const Transform& plane, Vec3 point) {
     return {point - scale<Real>(n, height), plane.rotation};
 }
 
-/// Most of what is cast against is not turned: then vectors are the same in its frame.
+/// Most shapes are not rotated; then vectors are equal in their frame and in the world.
 bool is_turned(const Rotation& axes) { return axes != Rotation::identity(); }
 
-/// Where a cast meets a shape, in its frame.
+/// A hit of a cast on a shape, in the shape's frame.
 struct Met {
     const PlacedShapes::Shape* at;
     std::uint32_t slot;
@@ -116,7 +116,7 @@ struct Met {
     collide::CastHit local;
     std::int64_t travelled_30;
 
-    /// As of QueryHits.
+    /// In the order of QueryHits.
     friend bool operator<(const Met& a, const Met& b) {
         return std::tie(a.travelled_30, a.slot, a.local.feature) <
                std::tie(b.travelled_30, b.slot, b.local.feature);
@@ -148,8 +148,8 @@ QueryHit query_hit(const Asking& asking, const Cast& cast, const Met& met) {
     return out;
 }
 
-/// A part of the way near the shape is turned into its frame, so that the rotation's rounding does not grow with the way.
-/// Returns whether they meet.
+/// Converts only the part of the path near the shape to the shape's frame, so that the rounding of the rotation does
+/// not grow with the path. Returns true if the cast hits the shape.
 bool cast_at(const Asking& asking, const Cast& cast, std::uint32_t slot, collide::Span span, Met& out) {
     collide::NarrowScratch& narrow = asking.work->narrow;
     const PlacedShapes::Shape& at = asking.placed.shape[slot];
@@ -189,7 +189,7 @@ bool cast_at(const Asking& asking, const Cast& cast, std::uint32_t slot, collide
     return true;
 }
 
-/// A point's place in the broad phase, rounded down.
+/// The place of a point in the broad phase, rounded down.
 Vector3<Bound> bound_below(Vec3 p, int shift) {
     const auto low = [shift](Real x) {
         return Bound::from_raw(
@@ -198,7 +198,7 @@ Vector3<Bound> bound_below(Vec3 p, int shift) {
     return {low(p.x), low(p.y), low(p.z)};
 }
 
-/// A moving box's bounds at both ends.
+/// The bounds of a moving box at both ends of its path.
 collide::SweptBox swept_box(const Model& w, const Cast& cast) {
     const int shift = static_cast<int>(w.state.rows(w.m.config)[0].bounds_shift);
     if (cast.solid != nullptr)
@@ -211,7 +211,7 @@ collide::SweptBox swept_box(const Model& w, const Cast& cast) {
     return {point(cast.from), point(cast.from + cast.way)};
 }
 
-/// Planes are near whatever is cast. What the filter hides is not.
+/// Adds all planes, as they have no bounds, and removes shapes that the filter excludes.
 void add_planes(const Asking& asking, const QueryFilter& filter) {
     std::vector<std::uint32_t>& slots = asking.work->near.proxies;
     slots.insert(slots.end(), asking.placed.planes.begin(), asking.placed.planes.end());
@@ -219,13 +219,13 @@ void add_planes(const Asking& asking, const QueryFilter& filter) {
         slots, [&](std::uint32_t slot) { return !is_seen(asking.w, row_of_slot(asking.w, slot), filter); });
 }
 
-/// The shapes whose bounds a cast may meet, into near.
+/// Stores the shapes whose bounds a cast may hit in `near`.
 void find_near(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
     asking.placed.broad_phase.query(swept_box(asking.w, cast), asking.work->near);
     add_planes(asking, filter);
 }
 
-/// The same for several casts of solids: what the box around all of them meets.
+/// Stores the shapes that the box around several casts of solids overlaps in `near`.
 void find_near(const Asking& asking, std::span<const Cast> casts, const QueryFilter& filter) {
     const PlacedShapes& s = asking.placed;
     Vec3 lower = casts[0].from, upper = lower;
@@ -241,7 +241,7 @@ void find_near(const Asking& asking, std::span<const Cast> casts, const QueryFil
     add_planes(asking, filter);
 }
 
-/// What of near a cast may meet, by where the balls of the shapes begin, then by slot.
+/// Lists the near shapes that a cast may hit, in the order in which it enters their bounding balls, then by slot.
 void find_candidates(const Asking& asking, const Cast& cast) {
     const PlacedShapes& s = asking.placed;
     QueryWork& q = *asking.work;
@@ -264,10 +264,11 @@ void find_candidates(const Asking& asking, const Cast& cast) {
               });
 }
 
-/// visit(met) returns how far hits still matter [m, 30 fraction bits]. After find_near().
+/// Calls visit(met) for the hits of a cast. `visit` returns the distance up to which further hits matter [m, 30
+/// fraction bits]. Call find_near() first.
 template <class Visit> void for_each_hit_near(const Asking& asking, const Cast& cast, Visit&& visit) {
     find_candidates(asking, cast);
-    constexpr std::int64_t slack = 1 << 10; // what roundings can move a ball
+    constexpr std::int64_t slack = 1 << 10; // the distance by which rounding can move a ball
     std::int64_t matters = std::int64_t{1} << 60;
     for (const QueryWork::Candidate& c : asking.work->candidates) {
         if (c.enter > matters + slack) break;
@@ -278,7 +279,7 @@ template <class Visit> void for_each_hit_near(const Asking& asking, const Cast& 
     }
 }
 
-/// After find_near().
+/// Call find_near() first.
 bool first_hit(const Asking& asking, const Cast& cast, Met& first) {
     bool found = false;
     for_each_hit_near(asking, cast, [&](const Met& met) {
@@ -326,7 +327,7 @@ bool make_shape_cast(const Scene& scene, const Geometry& geometry, const Transfo
     return true;
 }
 
-/// Nearest points of a living shape and a solid without triangles at a pose.
+/// Computes the nearest points of a living shape and a solid without triangles at a pose.
 bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid& solid,
                 const Transform& pose, Real limit, QueryHit& hit, Vec3& on_other) {
     const PlacedShapes::Shape& at = asking.placed.shape[shape.id.index - 1];
@@ -352,7 +353,8 @@ bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid
     return true;
 }
 
-/// visit(shape) for the shapes that are seen and whose bounds are within `limit` of the solid's, by slot.
+/// Calls visit(shape), by slot, for the shapes that pass the filter and whose bounds are within `limit` of the
+/// solid's.
 template <class Visit>
 void for_each_near(const Asking& asking, const shapes::Solid& solid, const Transform& pose, Real limit,
                    const QueryFilter& filter, Visit&& visit) {
@@ -369,7 +371,7 @@ void for_each_near(const Asking& asking, const shapes::Solid& solid, const Trans
         if (const ShapeRow& shape = row_of_slot(w, slot); is_seen(w, shape, filter)) visit(shape);
 }
 
-/// In boxes that grow until one holds a shape that is nearer than its width.
+/// Searches boxes of growing width until one contains a shape that is nearer than the width.
 std::optional<QueryHit> nearest_shape(const Asking& asking, const shapes::Solid& solid, const Transform& pose,
                                       Real limit, const QueryFilter& filter) {
     std::optional<QueryHit> best;
@@ -496,7 +498,7 @@ std::optional<ShapeDistance> distance(const Scene& scene, ShapeId a, ShapeId b) 
     if (row_a == Model::dead || row_b == Model::dead) return std::nullopt;
     const Asking asking(scene);
     const std::span<const ShapeRow> rows = w.state.rows(w.m.shape);
-    // In one order, so that asking the other way round gives the same numbers.
+    // A fixed order of the two, so that distance(a, b) and distance(b, a) give equal numbers.
     const bool swaps = std::pair(w.traits_of(rows[row_a]).geometry.kind, b) <
                        std::pair(w.traits_of(rows[row_b]).geometry.kind, a);
     const ShapeRow &first = rows[swaps ? row_b : row_a], &second = rows[swaps ? row_a : row_b];

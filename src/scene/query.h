@@ -1,7 +1,7 @@
-// Questions to a world, and the memory that they keep from call to call.
+// Queries of a world, and the scratch memory that is kept between them.
 //
-// Several threads may ask at once: caches are brought up to the state by one of them, behind a lock, and each has memory of
-// its own while it asks. Nothing that is kept shows in an answer.
+// Thread-safe: several threads may query at once. One of them updates the caches to the state, behind a lock, and
+// each query has its own scratch memory. Kept memory changes no result.
 #pragma once
 
 #include "base/lock.h"
@@ -17,16 +17,16 @@
 
 namespace lockstone::sim {
 
-/// The memory of one who asks.
+/// Scratch memory of one query.
 struct QueryWork {
-    collide::BroadPhase::Asker near; ///< shapes whose bounds may be met, by slot
+    collide::BroadPhase::Asker near; ///< shapes whose bounds may be hit, by slot
     struct Candidate {
-        std::int64_t enter, exit; ///< all hits are between them [m, 30 fraction bits]
+        std::int64_t enter, exit; ///< all hits lie between them [m, 30 fraction bits]
         std::uint32_t slot;
     };
     std::vector<Candidate> candidates;
     collide::NarrowScratch narrow;
-    /// What the last ball was that was cast: of one radius it is always the same.
+    /// Cache of the last ball that was cast: balls of equal radius are equal.
     struct KnownBall {
         Real radius; ///< 0: none
         shapes::Solid solid;
@@ -36,20 +36,20 @@ struct QueryWork {
 };
 
 struct QueryScratch {
-    /// Guards all that const members of World change: this, the placed shapes, the state's hashes
+    /// Guards everything that const members of World change: this struct, the placed shapes, the hashes of the state.
     base::Lock lock;
     std::vector<std::unique_ptr<QueryWork>> idle;
 };
 
-/// What can be asked about: a world's state and where its shapes are.
+/// The input of a query: the state of a world, and its placed shapes.
 struct Scene {
     const Model& model;
-    PlacedShapes& placed; ///< brought up to the state
+    PlacedShapes& placed; ///< updated to the state by each query
     QueryScratch& query;
     Tasks* tasks;
 };
 
-/// As World's; for phases that ask while a tick runs.
+/// Like World's queries, for phases of a tick.
 std::optional<QueryHit> cast_ray(const Scene& scene, const Ray& ray, const QueryFilter& filter);
 std::optional<QueryHit> cast_shape(const Scene& scene, const Geometry& geometry, const Transform& pose,
                                    Vec3 translation, const QueryFilter& filter);
@@ -57,7 +57,7 @@ std::optional<QueryHit> cast_shape(const Scene& scene, const Geometry& geometry,
 bool cast_ray_any(const Scene& scene, const Ray& ray, const QueryFilter& filter);
 bool cast_shape_any(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
                     const QueryFilter& filter);
-/// These append to `hits` or `shapes`.
+/// The next three append to `hits` or `shapes`.
 void cast_ray_all(const Scene& scene, const Ray& ray, const QueryFilter& filter, std::vector<QueryHit>& hits);
 void cast_shape_all(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
                     const QueryFilter& filter, std::vector<QueryHit>& hits);
@@ -67,9 +67,9 @@ std::optional<QueryHit> nearest(const Scene& scene, const Geometry& geometry, co
                                 Real limit, const QueryFilter& filter);
 std::optional<ShapeDistance> distance(const Scene& scene, ShapeId a, ShapeId b);
 
-/// Where a cast meets a shape first: of a QueryHit what ticks ask.
+/// The first hit of a cast: the fields of QueryHit that ticks need.
 struct FirstHit {
-    ShapeId shape; ///< null: it meets nothing, and nothing else is set
+    ShapeId shape; ///< null: no hit, and no other field is set
     BodyId body;
     Real distance; ///< travelled [m]
     Vec3 point;
@@ -77,14 +77,15 @@ struct FirstHit {
     std::uint32_t feature;
 };
 
-/// A ball that is moved from a point along a way.
+/// A ball that moves from a point along a path.
 struct BallCast {
     Real radius;
     Vec3 from, way;
-    collide::NearFaces* near = nullptr; ///< for that which is cast thereabouts again and again
+    collide::NearFaces* near = nullptr; ///< a cache for balls that are cast at one place again and again
 };
 inline constexpr std::size_t balls_max = 8;
-/// As cast_shape() of each ball; of balls that start near each other, what is near is found once. At most balls_max.
+/// Like cast_shape() for each ball. The search for near shapes runs once for all balls, so they should start near
+/// each other. At most balls_max.
 void cast_balls(const Scene& scene, std::span<const BallCast> balls, const QueryFilter& filter,
                 std::span<FirstHit> hits);
 

@@ -1,4 +1,4 @@
-// Making sessions: definitions are checked here, once, with sentences; what follows may rely on them.
+// Factory functions of sessions. They check the definitions once; the session classes rely on the ranges.
 #include "session/join/join_session.h"
 #include "session/peer_session.h"
 #include "session/sync_test.h"

@@ -1,12 +1,14 @@
-// Leaving: who must go, and from which tick on.
+// Departures: which machine leaves the match, and at which tick.
 //
-// Nobody leaves on one machine's word. A machine wants a peer to leave when it has seen for itself that the peer is silent,
-// keeps the match waiting, or has dropped it. The peer has left when most of those who are still heard want so; between
-// two machines that is one. From then on its inputs are refused. No other machine's word stands for them, so where they
-// end, the cut, is where the machine that remains and has the fewest of them ends. Nobody has confirmed a tick beyond
-// it, because a tick is confirmed only when all others are known to have its inputs. All who remain tell their cut, the
-// lowest holds, and when all tell the same the player is disconnected. Where they cannot agree the match stops. Who came
-// in after the cut has no say in it; who is about to come in before it has one, so it is not settled until that is.
+// One machine alone cannot remove another from a match of three or more. A machine votes for a peer to
+// leave if the peer is silent, delays the match, or has dropped this machine. The peer has left when more
+// than half of the machines that are still heard vote so; between two machines one vote is enough. From
+// then on its inputs are ignored. No other machine may send them in its place, so they end at the cut: the
+// smallest number of its inputs that a remaining machine has. No machine has confirmed a tick beyond the
+// cut, because a tick is confirmed only when all others have acknowledged its inputs. All remaining
+// machines announce their cut, the lowest is valid, and when all announce the same one the player is
+// disconnected. If they cannot agree the match stops. A machine that joined after the cut has no vote on
+// it. A machine that is about to join before the cut has one, so the cut is not settled until that join is.
 #include "session/peer_session.h"
 
 #include "base/text.h"
@@ -27,13 +29,14 @@ void PeerSession::judge_peers() {
         if (is_gone(p)) agree_on_cut(p);
 }
 
-// ---- what this machine has seen for itself -----------------------------------------------------------------------
+// ---- observations of this machine --------------------------------------------------------------------------------
 
 bool PeerSession::has_dropped_us(const PeerLink& link) const {
     return link.state == PeerLink::State::connected && (link.says_gone & players_of(def.self)) != 0;
 }
 
-/// Whether more than half of the machines that are heard have dropped this one. Between two never: each goes on alone.
+/// True if more than half of the heard machines have dropped this one. Never between two: each plays on
+/// alone.
 bool PeerSession::is_dropped() const {
     std::uint32_t others = 0, heard = 0, dropped_by = 0;
     for (const PeerLink& link : links) {
@@ -44,8 +47,8 @@ bool PeerSession::is_dropped() const {
     return others > 1 && 2 * dropped_by > heard;
 }
 
-/// This machine came in, has confirmed no tick with the others yet, and all of them are gone for it. If it went on it would play a match of
-/// its own beside theirs. So it stops, and may come again.
+/// True if this machine joined, has confirmed no tick with the others yet, and all of them have left. To
+/// play on would start a second match beside theirs, so the session stops; the machine may join again.
 bool PeerSession::has_come_in_vain() const {
     return entry_tick > 0 && settled_end == entry_tick && !links.empty() &&
            std::ranges::all_of(links,
@@ -62,15 +65,15 @@ void PeerSession::find_silent_peers() {
     }
 }
 
-/// From now on this machine wants the peer to leave. It begins to count anew how long it waits for the others: they may have waited for the
-/// same peer, and need time to find that out.
+/// Votes for the peer to leave. The waiting times of the other peers start again from 0: they may have
+/// waited for the same peer, and need time to detect that.
 void PeerSession::find_fault_with(PeerLink& link) {
     if (std::exchange(link.unwanted, true)) return;
     for (PeerLink& other : links) other.waited_ms = 0;
 }
 
-/// Finds fault with a peer that has kept the match waiting for too long. Among several it is the one that most others want to leave, then the
-/// last by id, so that all machines choose the same.
+/// Votes against a peer that has delayed the match for too long: of several, the one with the most votes
+/// against it, then the one with the greatest id, so that all machines choose the same.
 void PeerSession::find_late_peer() {
     PeerLink* late = nullptr;
     for (PeerLink& link : links) {
@@ -82,11 +85,13 @@ void PeerSession::find_late_peer() {
 }
 
 void PeerSession::count_waits(std::uint64_t passed_ms) {
-    constexpr std::uint64_t passed_max_ms = 250; // nobody keeps a machine waiting that does not poll
+    // The time in which this machine did not poll is not the peer's delay.
+    constexpr std::uint64_t passed_max_ms = 250;
     const std::uint64_t passed = std::min(passed_ms, passed_max_ms);
     for (PeerLink& link : links) {
         if (owes_word(link))
-            link.waited_ms += links.size() > 1 ? 2 * passed : passed; // at most that: README.md, Leaving
+            // The maximum factor: see README.md, Leaving.
+            link.waited_ms += links.size() > 1 ? 2 * passed : passed;
         else if (is_awaited(link))
             link.waited_ms += passed;
     }
@@ -97,7 +102,8 @@ void PeerSession::make_up_for_waits() {
     for (PeerLink& link : links) link.waited_ms -= std::min(link.waited_ms, made_up_ms);
 }
 
-/// Whether the next tick waits for this peer's inputs or for its word on a departure.
+/// True if the next tick waits for inputs of this peer, or for its announcement about a departure or a
+/// join.
 bool PeerSession::is_awaited(const PeerLink& link) const {
     if (link.state != PeerLink::State::connected || is_connecting()) return false;
     if (has_not_judged(link) || owes_join_word(link)) return true;
@@ -111,14 +117,15 @@ bool PeerSession::is_awaited(const PeerLink& link) const {
     });
 }
 
-/// Whether the match waits here for what this peer owes to this machine alone: hashes and acknowledgements. The others see only that
-/// this machine stands still. So where there are others, patience is half as long, and then this machine goes on without hashes and
-/// acknowledgements of that peer.
+/// True if only this machine waits for the peer: for its hashes and acknowledgements. The others see only
+/// that this machine does not advance. Therefore, among three or more machines, this waiting time counts
+/// twice; after the vote this machine no longer needs the peer's hashes and acknowledgements.
 bool PeerSession::owes_word(const PeerLink& link) const {
     if (link.state != PeerLink::State::connected || link.unwanted || is_connecting()) return false;
     if (link.hashes.exchanged_through() + history_confirmed_max <= confirmed) return true;
     const std::uint64_t fixed = fixed_through();
-    // A tick that lacks inputs waits for these. Nobody owes an acknowledgement of an input that is not here.
+    // A tick without all inputs waits for the inputs only: no peer can acknowledge an input that has not
+    // arrived here.
     const bool lacks_inputs = current >= settled_through() + def.prediction_max;
     const bool is_held = !lacks_inputs && current >= fixed + change_max;
     return std::ranges::any_of(queues, [&](const InputQueue& queue) {
@@ -130,13 +137,14 @@ bool PeerSession::owes_word(const PeerLink& link) const {
     });
 }
 
-/// Whether that machine is heard, so that others should have its inputs too. A machine that falls silent here may be silent to all of them.
+/// True if the machine was heard recently, so that the other machines should have its inputs too. If it is
+/// silent here it may be silent for all of them.
 bool PeerSession::is_heard(PeerId peer) const {
     const auto link = std::ranges::find(links, peer, &PeerLink::peer);
     return link != links.end() && !link->unwanted && now - link->heard_ms <= def.disconnect_ms / 4;
 }
 
-/// This machine wants another one to leave, and the peer has not said that it wants so too.
+/// True if this machine votes for another one to leave and the peer has not announced the same vote.
 bool PeerSession::has_not_judged(const PeerLink& link) const {
     return std::ranges::any_of(links, [&](const PeerLink& other) {
         return &other != &link && other.unwanted && other.state != PeerLink::State::gone &&
@@ -144,9 +152,9 @@ bool PeerSession::has_not_judged(const PeerLink& link) const {
     });
 }
 
-// ---- what most have seen -----------------------------------------------------------------------------------------
+// ---- votes -------------------------------------------------------------------------------------------------------
 
-/// This machine votes, and so do the peers that it hears and does not want to leave itself.
+/// Votes of this machine, and of the peers that it hears and does not vote against itself.
 PeerSession::Votes PeerSession::count_votes(const PeerLink& accused) const {
     Votes votes{1, accused.unwanted ? 1u : 0u};
     for (const PeerLink& link : links) {
@@ -163,11 +171,12 @@ void PeerSession::drop_unwanted_peers() {
             const Votes votes = count_votes(link);
             if (link.state == PeerLink::State::gone || 2 * votes.against <= votes.of) continue;
             link.state = PeerLink::State::gone;
-            // Whoever comes in and is silent makes the others wait for as long as their patience lasts. It may not do so often.
+            // A machine that joins and is silent delays the others until the timeout, so it must not do so
+            // often.
             if (link.seat.entered_ms != 0 && now - link.seat.entered_ms < 12 * def.disconnect_ms)
                 link.seat.not_before_ms = now + 12 * def.disconnect_ms;
             gone |= players_of(link.peer);
-            send(link); // where it hears this, it knows at once
+            send(link); // informs the peer without delay
             again = true;
         }
     }
@@ -181,15 +190,15 @@ Status PeerSession::drop_peer(PeerId peer) {
     return {};
 }
 
-// ---- from which tick on ------------------------------------------------------------------------------------------
+// ---- the tick of a departure -------------------------------------------------------------------------------------
 
 bool PeerSession::is_somebody_leaving() const {
     return std::ranges::any_of(
         queues, [&](const InputQueue& queue) { return is_gone(queue.player()) && !queue.disconnected(); });
 }
 
-/// Whether the cut waits for this peer's word. Who came in after the cut tells none: it has no input from before, and may know from the log
-/// that the player has left.
+/// True if the cut needs this peer's announcement. A machine that joined after the cut announces none: it
+/// has no earlier inputs, and may know from the log that the player has left.
 bool PeerSession::has_say_in_cut(const PeerLink& link, std::uint32_t player) const {
     const int first_player = std::countr_zero(players_of(link.peer));
     return since[static_cast<std::size_t>(first_player)] <= cuts[player];
@@ -198,13 +207,14 @@ bool PeerSession::has_say_in_cut(const PeerLink& link, std::uint32_t player) con
 void PeerSession::agree_on_cut(std::uint32_t player) {
     InputQueue& queue = queues[player];
     const auto remains = [](const PeerLink& link) { return link.state == PeerLink::State::connected; };
-    if (queue.disconnected()) { // nobody who is honest lowers it any more
+    if (queue.disconnected()) { // an honest machine no longer lowers the cut
         for (const PeerLink& link : links)
             if (remains(link) && cuts[player] != never && link.cut[player] < cuts[player])
                 return stop_without_cut(player, link, cuts[player]);
         return;
     }
-    // Once a player is gone for a machine it takes none of its inputs any more: how many it has is final.
+    // After a player has left, a machine accepts no more inputs of it, so the number of inputs that it has
+    // is final.
     if (cuts[player] == never) {
         std::uint64_t fewest = queue.next();
         for (const PeerLink& link : links) {

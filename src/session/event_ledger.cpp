@@ -7,7 +7,7 @@
 namespace lockstone::session {
 
 EventLedger::EventLedger(std::uint32_t window) : ring(window) {
-    constexpr std::size_t usual = 32; // events a tick; more allocate, once
+    constexpr std::size_t usual = 32; // events in a tick; more of them allocate memory, which is kept
     for (std::vector<Entry>& tick : ring) tick.reserve(usual);
     merged.reserve(usual);
 }
@@ -32,7 +32,8 @@ void EventLedger::record(std::uint64_t tick, std::span<const Event> events) {
     auto old = before.begin();
     for (const Event& event : events) {
         for (; old != before.end() && precedes(old->event, event); ++old) {
-            if (old->told) merged.push_back({old->event, old->id, true, false}); // gone: to be cancelled
+            // No longer present: publish() cancels it.
+            if (old->told) merged.push_back({old->event, old->id, true, false});
         }
         if (old != before.end() && !precedes(event, old->event)) {
             merged.push_back({event, old->id, old->told, true});

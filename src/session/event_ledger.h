@@ -1,8 +1,8 @@
-// Which events the game was told of, and which of them proved true.
+// Publication of events that rollbacks may change.
 //
-// A tick may run many times. Each run replaces the tick's events; publish() compares what was told with what is there
-// now, and tells the difference: predicted, confirmed or cancelled. A cancelled event that a later run brings back is
-// a new one with a new id, so that every id has exactly one end.
+// A tick may run many times, and each run replaces the events of the tick. publish() compares the published
+// events with the present ones and reports the difference: predicted, confirmed or cancelled. If a later
+// run restores a cancelled event, this is a new event with a new id: so each id has exactly one end.
 #pragma once
 
 #include "lockstone/session.h"
@@ -13,15 +13,16 @@ namespace lockstone::session {
 
 class EventLedger {
   public:
-    /// Ticks t and t + window must never be unconfirmed at once.
+    /// `window`: capacity [ticks]; ticks t and t + window must never be unconfirmed at the same time.
     explicit EventLedger(std::uint32_t window);
 
-    /// The next tick is `tick`: what was there before is over. Nothing is open (asserted).
+    /// Makes `tick` the next tick. If unconfirmed ticks remain, the program ends.
     void begin_at(std::uint64_t tick);
-    /// Tick `tick` has run (again) and shows these events. A World gives them in the order of precedes(); events of a game's own simulation
-    /// that are out of order are sorted, and of equal ones the first counts.
+    /// Replaces the events of tick `tick` after a run. A World returns events in the order of precedes().
+    /// Events of another simulation that are out of order are sorted here, and of equal ones the first is
+    /// kept.
     void record(std::uint64_t tick, std::span<const Event> events);
-    /// Ticks below `confirmed_end` will not run again. Appends what changed since the last call to `out`.
+    /// Appends to `out` what changed since the last call. Ticks below `confirmed_end` are final.
     void publish(std::uint64_t confirmed_end, std::vector<SessionEvent>& out);
 
   private:
@@ -37,7 +38,7 @@ class EventLedger {
     std::vector<std::vector<Entry>> ring; ///< by tick modulo window, ordered by identity
     std::vector<Entry> merged;            ///< scratch
     std::vector<Event> sorted;            ///< scratch
-    std::uint64_t first_open = 0;         ///< ticks below are confirmed and told
+    std::uint64_t first_open = 0;         ///< ticks below are confirmed and published
     std::uint64_t end = 0;                ///< ticks below have run
     std::uint64_t next_id = 0;
 };

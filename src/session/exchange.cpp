@@ -1,6 +1,6 @@
-// Packets in and out. A packet is decoded, then judged whole against what its sender can know, and only then applied:
-// a dropped packet has changed nothing. Everything lost is sent again, because packets carry the inputs that their
-// receiver has not acknowledged.
+// Sending and receiving packets. A packet is decoded, then checked as a whole against what its sender can
+// know, and only then applied: a dropped packet changes nothing. No lost packet is resent; instead, each
+// packet carries the inputs that its receiver has not acknowledged.
 #include "session/peer_session.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ void PeerSession::poll(std::uint64_t now_ms) {
     send_to_all();
 }
 
-// ---- in ----------------------------------------------------------------------------------------------------------
+// ---- receiving ---------------------------------------------------------------------------------------------------
 
 void PeerSession::receive_all() {
     for (PeerLink& link : links) link.packets_read = 0;
@@ -55,7 +55,8 @@ std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
     const Sender sender{players_of(link->peer), transport.authenticated(), link->sequence_heard, link->tick};
     if (const std::optional<PacketFault> fault = decode(datagram.bytes, link->context, sender, incoming)) {
         const bool incompatible = *fault == PacketFault::version || *fault == PacketFault::match;
-        const bool may_be_old = link->context.match != context.match; // from before either came back
+        // Possibly from before one of the two joined.
+        const bool may_be_old = link->context.match != context.match;
         if (incompatible && !may_be_old && !link->told_incompatible) {
             link->told_incompatible = true;
             notices.emplace_back(std::in_place_type<PeerIncompatible>,
@@ -70,8 +71,8 @@ std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
 
 bool PeerSession::plausible(const PeerLink& link) const {
     if (!incoming.greeting && link.state == PeerLink::State::connecting)
-        return false;                // the first packet is a greeting
-    std::uint64_t local_end = never; // nobody can have confirmed a tick without all local inputs
+        return false;                // the first packet must be a greeting
+    std::uint64_t local_end = never; // no peer can have confirmed a tick without all local inputs
     for (const InputQueue& queue : queues) {
         const std::uint64_t next = incoming.next_input[queue.player()];
         if (is_local(queue.player())) {
@@ -86,12 +87,13 @@ bool PeerSession::plausible(const PeerLink& link) const {
     for (const JoinWord& word : incoming.join_words())
         if (word.stand != JoinStand::no && word.tick > current + join_ahead_max) return false;
     return std::ranges::all_of(incoming.input_blocks(), [&](const InputBlock& block) {
-        return block.first <= queues[block.player].next() + history_confirmed_max; // no sender keeps more
+        return block.first <= queues[block.player].next() + history_confirmed_max; // no sender stores more
     });
 }
 
 void PeerSession::apply(PeerLink& link) {
-    // What was overtaken on the way, or sent again by somebody else, may tell something but is no sign of life.
+    // A packet that was overtaken on the way, or that another machine sent again, may carry data but does
+    // not end the peer's silence.
     const bool is_new = incoming.sequence > link.sequence_heard;
     if (is_new) {
         link.sequence_heard = incoming.sequence;
@@ -110,12 +112,12 @@ void PeerSession::apply(PeerLink& link) {
     link.hashes.acknowledge(incoming.next_hash);
     for (std::uint32_t i = 0; i < incoming.hash_count; ++i)
         link.hashes.receive(incoming.hash_first + i, incoming.hashes[i]);
-    if (!is_new) return; // the rest is old news
+    if (!is_new) return; // the rest of an older packet is outdated
     link.tick = std::max(link.tick, incoming.tick);
     if (incoming.quality) apply_quality(link, *incoming.quality);
 }
 
-/// Inputs behind a gap are left: the sender repeats them, from the gap on.
+/// Inputs after a gap are ignored: the sender repeats them from the gap on.
 void PeerSession::apply_inputs(const InputBlock& block) {
     InputQueue& queue = queues[block.player];
     const auto before = queue.before(block.first);
@@ -129,18 +131,19 @@ void PeerSession::apply_departures(PeerLink& link) {
     for (std::uint32_t p = 0; p < queues.size(); ++p) {
         const std::uint32_t bit = 1u << p;
         if (((incoming.unwanted | incoming.gone) & bit) == 0) continue;
-        if (incoming.since[p] != since[p]) continue; // of another time that the player was there
+        if (incoming.since[p] != since[p]) continue; // from before a later join of the player
         link.says_unwanted |= bit;
         link.says_gone |= incoming.gone & bit;
         if ((incoming.has_cut & bit) == 0) continue;
-        const std::uint64_t earliest = std::max(since[p], entry_tick); // from there on both are in the match
+        // From this tick on both machines are in the match.
+        const std::uint64_t earliest = std::max(since[p], entry_tick);
         link.cut[p] = std::min(link.cut[p], std::max(incoming.cut[p], earliest));
     }
 }
 
 void PeerSession::apply_quality(PeerLink& link, const QualityReport& report) {
-    constexpr std::int32_t ahead_max = 1000;      // more means nothing, and sums must not overflow
-    constexpr std::uint16_t ping_max_ms = 60'000; // a longer one is no echo of what this machine sent
+    constexpr std::int32_t ahead_max = 1000;      // the bound prevents an overflow of sums
+    constexpr std::uint16_t ping_max_ms = 60'000; // a longer ping is no echo of this machine's clock
     link.remote_ahead = std::clamp(report.ticks_ahead, -ahead_max, ahead_max);
     link.has_echo = true;
     link.echo_ms = report.sent_ms;
@@ -163,13 +166,13 @@ void PeerSession::compare_hashes(PeerLink& link) {
     counts.hashes_compared += link.hashes.compared_through() - before;
 }
 
-// ---- out ---------------------------------------------------------------------------------------------------------
+// ---- sending -----------------------------------------------------------------------------------------------------
 
 void PeerSession::send_to_all() {
     for (PeerLink& link : links)
         if (link.state != PeerLink::State::gone) send(link);
     for (PeerLink& link : links) go_on_inspecting(link);
-    serve_those_who_come(); // last: nothing waits for it
+    serve_those_who_come(); // last, because it is not urgent
 }
 
 void PeerSession::send(PeerLink& link) {
@@ -210,7 +213,7 @@ void PeerSession::fill_status(PeerLink& link) {
                         static_cast<std::uint16_t>(has_echo ? held : 0)};
 }
 
-/// A machine that has stopped tells all others that they are gone for it, so that they need not wait until it is silent for too long.
+/// A stopped machine announces all others as gone, so that they need not wait for the timeout.
 void PeerSession::fill_departures() {
     outgoing.gone = gone;
     outgoing.unwanted = gone;
@@ -232,9 +235,10 @@ void PeerSession::fill_departures() {
     }
 }
 
-/// A block begins at the first input that the peer lacks by its last packet. Where the peer lacks more inputs than a usual round trip holds,
-/// or than the packet has room for, three packets of four begin with newer inputs instead: the packet then ends with the newest input, and
-/// inputs that the peer has are not sent over and over. Inputs that were lost come with the fourth packet.
+/// A block begins at the first input that the peer lacks according to its last packet. If the peer lacks
+/// more inputs than a usual round trip holds, or than the packet can hold, three packets of four begin
+/// later, so that they end with the newest input. This avoids sending again and again inputs that the peer
+/// already has. Lost inputs arrive with the fourth packet.
 void PeerSession::send_inputs(const PeerLink& link) {
     constexpr std::uint64_t usual_ticks = 16, newest_ticks = 12;
     std::uint32_t left = static_cast<std::uint32_t>(std::popcount(players_of(def.self)));

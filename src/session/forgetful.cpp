@@ -1,4 +1,4 @@
-// The simulation of lockstone/session/forgetful.h, which restores badly.
+// The faulty simulation of lockstone/session/forgetful.h: restore() leaves out one column.
 #include "lockstone/session/forgetful.h"
 
 #include "base/assert.h"

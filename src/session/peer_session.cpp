@@ -8,7 +8,8 @@
 namespace lockstone::session {
 
 namespace {
-/// The inputs of a machine that comes in are zero for so many ticks. In that time its first inputs reach the others.
+/// After a join, the first inputs of a machine are zero for so many ticks: the time until its inputs reach
+/// the others.
 constexpr std::uint64_t neutral_ticks = 30;
 constexpr std::uint64_t seat_silence_polls = 600, seat_log_ticks = 7200;
 } // namespace
@@ -41,11 +42,13 @@ PeerSession::PeerSession(const SessionDef& session_def, Transport& packets, cons
     for (const PeerId peer : peers) {
         if (peer == def.self) continue;
         PeerLink& link = links.emplace_back(peer, context_with(peer), entry.tick);
-        if (entry.tick > 0) link.state = PeerLink::State::connected; // it is known to be there
+        // The admission proves that this peer is in the match.
+        if (entry.tick > 0) link.state = PeerLink::State::connected;
         if ((gone & players_of(peer)) != 0) link.state = PeerLink::State::gone, link.unwanted = true;
     }
-    // Among three or more machines a departure may take true inputs back until all are known to have them. That takes a round trip, where
-    // a guess waits for one way only. Lockstep takes nothing back and waits instead.
+    // Among three or more machines a departure may revoke true inputs until all machines have acknowledged
+    // them. The acknowledgement takes a round trip, a prediction waits for one way only, so the bound
+    // is larger. Lockstep revokes nothing and waits instead.
     constexpr std::uint64_t polls_between = 8;
     const bool predicts = def.prediction_max > 0;
     change_max = links.size() > 1 && predicts ? 2 * def.prediction_max + polls_between : def.prediction_max;
@@ -62,7 +65,8 @@ void PeerSession::add_local_input(std::uint32_t player, std::span<const std::byt
     LOCKSTONE_ASSERT(player < queues.size() && is_local(player), "player ", player, " does not play here");
     InputQueue& queue = queues[player];
     const std::uint64_t target = current + def.input_delay;
-    // The delay grew (or the match begins): the ticks between repeat what was, a match begins with zeros.
+    // The delay has increased, or the match begins. The ticks between repeat the last input, zeros at the
+    // start of a match.
     std::array<std::byte, input_bytes_max> before{};
     if (queue.next() > 0) std::ranges::copy(queue.confirmed(queue.next() - 1), before.begin());
     while (queue.next() < target && queue.room() > 1) queue.confirm(std::span(before).first(def.input_size));
@@ -98,8 +102,9 @@ std::uint64_t PeerSession::settled_through() const {
     return end;
 }
 
-/// Its own inputs count, too. If this machine goes, they end where the others have them; and the ticks that it has confirmed by then have been
-/// shown, recorded and given to those who come. Two machines do not wait for that: it would take a round trip.
+/// The own inputs count as well. If this machine leaves, its inputs end where the others have them, but
+/// ticks that it has confirmed until then are already displayed, recorded and sent to machines that join.
+/// Two machines do not wait for that, because it would take a round trip.
 std::uint64_t PeerSession::agreed_through() const {
     const bool are_two = links.size() == 1;
     std::uint64_t end = never;
@@ -114,7 +119,7 @@ std::uint64_t PeerSession::agreed_through() const {
     return end;
 }
 
-/// While somebody is leaving nothing more is fixed: its inputs may end at any tick from here on.
+/// During a departure no further tick is fixed: the inputs of the player may end at any tick from here on.
 std::uint64_t PeerSession::fixed_through() const {
     if (is_somebody_leaving()) return settled_end;
     return std::min(std::min(settled_through(), agreed_through()), join_bound());
@@ -131,8 +136,8 @@ std::uint64_t PeerSession::take_first_wrong() {
     return wrong;
 }
 
-/// An input stays until its tick is confirmed here. One of a local player also stays until every peer has it; for a peer that is unwanted it
-/// stays only while there is room.
+/// An input is kept until its tick is confirmed here. An input of a local player is also kept until every
+/// peer has it; for a peer that this machine votes against, only as long as there is space.
 void PeerSession::forget_old_inputs() {
     for (InputQueue& queue : queues) {
         std::uint64_t needed_from = confirmed;
@@ -167,7 +172,7 @@ std::optional<ConfirmedTick> PeerSession::next_confirmed() {
     return tick;
 }
 
-// ---- what there is to tell ---------------------------------------------------------------------------------------
+// ---- notices -----------------------------------------------------------------------------------------------------
 
 std::optional<Notice> PeerSession::next_notice() {
     if (notices_taken == notices.size()) {
@@ -190,8 +195,9 @@ PeerQuality PeerSession::quality(PeerId peer) const {
             link->hashes.agreed_through()};
 }
 
-/// The lead over the slowest peer, told once in a while: a lead takes time to show that it has been given up. A true one
-/// is never longer than what the session runs ahead, so a greater count is a peer's lie.
+/// Returns the lead over the slowest peer [ticks], at most once in 60 ticks, because a wait takes time to
+/// show in the measured lead. A true lead never exceeds the number of ticks that the session runs ahead, so
+/// the result is limited to it: a greater value is a false report of a peer.
 std::uint32_t PeerSession::wait_recommended() {
     constexpr std::uint64_t ticks_between = 60;
     constexpr std::int32_t worth_waiting = 2;

@@ -1,36 +1,38 @@
-// Rollback and lockstep: one machine of a match between peers. Lockstep is rollback with a prediction window of 0.
+// Rollback and lockstep sessions: one machine of a match between peers. Lockstep is rollback with a prediction
+// window of 0.
 //
-//   rollback.cpp       what to run: the algorithm, one screen
-//   peer_session.cpp   what is confirmed, what the caller asks and tells
-//   exchange.cpp       what is received and sent
-//   inspect.cpp        what is asked and told where a peer holds another state
-//   departure.cpp      who has left, and from which tick on
-//   admission.cpp      who comes late or back, and from which tick on
+//   rollback.cpp       the rollback algorithm: which ticks run
+//   peer_session.cpp   confirmed ticks, local inputs, notices
+//   exchange.cpp       received and sent packets
+//   inspect.cpp        comparison of two states after a desync
+//   departure.cpp      departures: which machines leave, and at which tick
+//   admission.cpp      joins: which machines come in late or return, and at which tick
 #pragma once
 
 #include "session/link/peer_link.h"
 
 namespace lockstone::session {
 
-/// Ticks travel as 32 bits.
+/// Packets carry ticks as 32 bits; the session ends before they overflow.
 inline constexpr std::uint64_t tick_limit = (std::uint64_t{1} << 32) - 4096;
-/// What is run in a frame at most while a machine that has come in is behind.
+/// Maximum number of ticks in a frame while a machine that has joined catches up.
 inline constexpr std::uint32_t catch_up_ticks = 4;
-/// How far ahead a join tick may be told.
+/// Maximum distance of an announced join tick from the present tick [ticks].
 inline constexpr std::uint64_t join_ahead_max = 512;
 
-/// How a machine comes into a match that goes on.
+/// How this machine enters a match: at its start, or while it runs.
 struct Entry {
-    std::uint64_t tick = 0;                         ///< its inputs count from here on; 0: the match begins
-    std::array<std::uint64_t, players_max> since{}; ///< by player, its own ones included: where they came in
-    std::uint32_t left = 0;                         ///< bit p: player p is not there
+    std::uint64_t tick = 0; ///< first tick with this machine's inputs; 0: start of the match
+    /// [player] tick of each player's last join; 0: the start.
+    std::array<std::uint64_t, players_max> since{};
+    std::uint32_t left = 0; ///< bit p: player p is not in the match
 };
 
 class PeerSession final : public Session {
   public:
     PeerSession(const SessionDef& def, Transport& transport, const Entry& entry = {});
-    /// For a machine that comes in: the inputs of the tick before its entry, by player. Packets tell inputs as differences, so until this is
-    /// called no input of the others can be read.
+    /// Only after a join. `inputs` [players]: inputs of the tick before the entry. Packets carry inputs as
+    /// differences to the tick before, so the session cannot decode inputs of the others until this call.
     void set_inputs_before(std::span<const PlayerInput> inputs);
 
     void poll(std::uint64_t now_ms) override;
@@ -63,8 +65,9 @@ class PeerSession final : public Session {
 
     // ---- peer_session.cpp ----
     std::uint64_t settled_through() const; ///< all inputs of ticks below are known here
-    std::uint64_t agreed_through() const;  ///< and to every other machine, by its own word
-    std::uint64_t fixed_through() const;   ///< no departure can change the inputs of ticks below
+    std::uint64_t agreed_through() const;  ///< every other machine has acknowledged the inputs of ticks below
+    /// No departure and no join can change the inputs of ticks below.
+    std::uint64_t fixed_through() const;
     std::uint64_t take_first_wrong();
     std::uint32_t wait_recommended();
     void forget_old_inputs();
@@ -77,7 +80,7 @@ class PeerSession final : public Session {
     // ---- exchange.cpp ----
     void receive_all();
     std::optional<PacketFault> receive(const Datagram& datagram);
-    bool plausible(const PeerLink& link) const; ///< of `incoming`
+    bool plausible(const PeerLink& link) const; ///< checks `incoming` against what the sender can know
     void apply(PeerLink& link);
     void apply_inputs(const InputBlock& block);
     void apply_departures(PeerLink& link);
@@ -143,32 +146,33 @@ class PeerSession final : public Session {
     Transport& transport;
     StateInspector* inspector = nullptr;
     PacketContext context;
-    std::vector<InputQueue> queues; ///< by player
+    std::vector<InputQueue> queues; ///< [player]
     std::vector<PeerLink> links;    ///< by peer id, without this machine
-    std::uint64_t change_max;       ///< how many ticks that may still change may have run
-    std::uint32_t gone = 0;         ///< bit p: player p has left; no input of it is accepted any more
-    /// By player, as told to all: where it left; `never`: not known yet
+    std::uint64_t change_max;       ///< maximum number of executed ticks that may still change
+    std::uint32_t gone = 0;         ///< bit p: player p has left; further inputs of it are ignored
+    /// [player] The cut as this machine announces it: first tick without the player; `never`: not known
+    /// yet.
     std::array<std::uint64_t, players_max> cuts{};
     bool stopped = false;
-    bool has_run;                                   ///< it was asked for ticks; before it only listens
-    std::array<std::uint64_t, players_max> since{}; ///< by player: where it came in last; 0: the start
-    std::uint64_t entry_tick;                       ///< where this machine did
-    std::uint64_t catch_up_end;                     ///< for ticks below, several a frame are run
-    TimelineHost timeline;                          ///< for those who come
+    bool has_run; ///< counts waiting times: from the start, after a join from the first advance() on
+    std::array<std::uint64_t, players_max> since{}; ///< [player] tick of the player's last join; 0: the start
+    std::uint64_t entry_tick;                       ///< tick at which this machine joined; 0: the start
+    std::uint64_t catch_up_end;                     ///< below this tick a frame runs several ticks
+    TimelineHost timeline;                          ///< confirmed ticks for machines that join
 
     bool polled = false;
     std::uint64_t polls = 0;
     std::uint64_t now = 0;
-    std::uint64_t current = 0;     ///< next new tick
-    std::uint64_t settled_end = 0; ///< ticks below have run on true inputs and will not run again
-    std::uint64_t confirmed = 0; ///< ticks below were handed out by next_confirmed; their hashes may be sent
-    std::uint64_t next_wait_at = 0;    ///< tick
-    std::vector<std::uint64_t> hashes; ///< by tick modulo history_ticks
+    std::uint64_t current = 0;      ///< the next new tick
+    std::uint64_t settled_end = 0;  ///< ticks below ran on true inputs and do not run again
+    std::uint64_t confirmed = 0;    ///< next_confirmed() has returned ticks below; their hashes may be sent
+    std::uint64_t next_wait_at = 0; ///< first tick with the next wait recommendation
+    std::vector<std::uint64_t> hashes; ///< [history_ticks] by tick modulo history_ticks
 
     std::vector<Request> requests;
-    std::vector<std::byte> foreseen_bytes; ///< of one tick that is shown ahead
+    std::vector<std::byte> foreseen_bytes; ///< inputs of one tick of look_ahead()
     std::vector<PlayerInput> foreseen;
-    std::vector<PlayerInput> inputs; ///< of all requests' ticks, then of the confirmed one
+    std::vector<PlayerInput> inputs; ///< of the ticks of all requests, then of the confirmed tick
     std::vector<Notice> notices;
     std::size_t notices_taken = 0;
     Message incoming{}, outgoing{};

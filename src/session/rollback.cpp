@@ -1,9 +1,10 @@
-// The rollback algorithm. A tick runs on the inputs at hand: true where they have arrived, guessed where not. When a
-// true input arrives that differs from the guess a tick ran on, the world returns to the state before that tick and
-// runs up to the present again. With a window of 0 no tick ever runs on a guess: that is lockstep. A departure may also
-// take back true inputs that not all machines have (departure.cpp): a tick is fixed only when all are known to have them.
+// The rollback algorithm. A tick runs on the known inputs: true ones that have arrived, predictions for the
+// rest. If a true input differs from the prediction that a tick ran on, the session restores the state
+// before that tick and runs all ticks up to the present again. With a prediction window of 0 no tick runs
+// on a prediction: this is lockstep. A departure may also revoke true inputs that some machines lack
+// (departure.cpp), so a tick is fixed only when all machines have acknowledged its inputs.
 //
-//   guess for tick 94 was wrong, present tick 101:
+//   the prediction for tick 94 was wrong, present tick 101:
 //   Load(94) Advance(94)  Save(95) Advance(95)  ...  Save(100) Advance(100)   then   Save(101) Advance(101)
 //
 #include "session/peer_session.h"
@@ -21,7 +22,7 @@ Step PeerSession::advance() {
     const Stall stall = why_stall();
     for (std::uint32_t n = 0; n < catch_up_ticks && why_stall() == Stall::none; ++n) {
         if (n > 0 && (current >= catch_up_end || current >= settled_through()))
-            break; // level with the others
+            break; // the machine has caught up with the others
         run(current, Run::first);
         ++current;
         make_up_for_waits();
@@ -58,7 +59,7 @@ void PeerSession::run(std::uint64_t tick, Run how) {
     for (InputQueue& queue : queues) inputs.push_back(queue.use(tick, *def.predictor));
     const std::span<const PlayerInput> now_known = std::span(inputs).subspan(first);
 
-    // Only a tick that may change is ever returned to. A tick just loaded is saved already.
+    // Only a tick that may change needs a saved state. A state that was just loaded is saved already.
     const bool loaded = !requests.empty() && std::holds_alternative<Load>(requests.back());
     if (tick >= fixed_through() && !loaded) requests.push_back(Save{tick});
 

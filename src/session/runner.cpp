@@ -1,4 +1,5 @@
-// Executes requests. The ring holds one image per tick that can be returned to; all memory is allocated at the start.
+// SessionRunner: executes the requests of a session. A ring holds one image for each tick that a rollback
+// can reach; all memory is allocated at the start.
 #include "lockstone/session.h"
 
 #include "base/assert.h"
@@ -18,19 +19,21 @@ struct SessionRunner::Impl final : StateInspector {
     std::weak_ptr<const void> lifetime; ///< of the session
     Simulation& simulation;
     RunnerDef def;
-    std::vector<Image> ring; ///< by tick modulo its size
+    std::vector<Image> ring; ///< [images] by tick modulo its size
     std::vector<std::uint64_t> ring_ticks;
     std::vector<std::uint64_t> ring_hashes;
     std::uint64_t hash; ///< of the present state
     session::EventLedger ledger;
     std::vector<SessionEvent> events;
     std::optional<SyncTestFailure> failure;
-    bool is_inspected;          ///< every state is kept for a while, not only those that may be returned to
-    std::optional<State> shown; ///< to the session
-    std::uint64_t confirmed_end = 0; ///< ticks below have been handed to the sink
-    std::uint64_t first_tick = 0;    ///< that is run
-    Image played;                    ///< of what is played, where it is shown ahead and not kept in the ring
-    const Image* to_come_back = nullptr; ///< where the simulation is ahead: the state to come back to
+    /// True: the ring also keeps states for a StateInspector, not only those that a rollback can reach.
+    bool is_inspected;
+    std::optional<State> shown;      ///< the last state that state_after() returned
+    std::uint64_t confirmed_end = 0; ///< the sink has received ticks below
+    std::uint64_t first_tick = 0;    ///< the first tick that runs here
+    Image played;                    ///< the present state during look_ahead(), if the ring does not hold it
+    /// Not null: the simulation runs ahead, and this is the present state.
+    const Image* to_come_back = nullptr;
 
     Impl(Session& driver, Simulation& driven, RunnerDef runner_def)
         : session(driver), lifetime(driver.lifetime()), simulation(driven), def(std::move(runner_def)),
@@ -49,7 +52,8 @@ struct SessionRunner::Impl final : StateInspector {
         if (!lifetime.expired()) session.drop_inspector(*this);
     }
 
-    /// Shows the next ticks as they would be by what is known, and tells nobody.
+    /// Runs the simulation ahead on predicted inputs for display. Nothing of it reaches the session, the
+    /// sink or the ledger.
     void look_ahead() {
         for (std::uint32_t offset = 0; offset < run_ahead_limit; ++offset) {
             const std::span<const PlayerInput> inputs = session.look_ahead(offset);
@@ -79,7 +83,7 @@ struct SessionRunner::Impl final : StateInspector {
     }
 
     void execute(const Save& save) {
-        if (is_inspected && save.tick > first_tick) return; // kept by the tick before
+        if (is_inspected && save.tick > first_tick) return; // keep() after the previous tick has saved it
         keep(save);
     }
     void keep(const Save& save) {
@@ -111,7 +115,8 @@ struct SessionRunner::Impl final : StateInspector {
         if (is_inspected && advance.tick == first_tick && !has(first_tick)) keep({first_tick});
         simulation.advance(advance.inputs);
         hash = simulation.hash();
-        // The ring still holds what the tick led to before: it is saved again only afterwards.
+        // The ring still holds the state that the first run led to: that state is replaced only by a later
+        // Save.
         if (session.report_hash(advance.tick, hash) == HashCheck::differs)
             fail(SyncTestFailure::When::resimulated, advance.tick, advance.tick + 1);
         ledger.record(advance.tick, simulation.events());
@@ -148,7 +153,8 @@ struct SessionRunner::Impl final : StateInspector {
         return ring[slot];
     }
 
-    /// Names what differs between the state saved before `saved_tick` and the present one.
+    /// Records the differences between the state saved before `saved_tick` and the present state. Only the
+    /// first failure is recorded.
     void fail(SyncTestFailure::When when, std::uint64_t tick, std::uint64_t saved_tick) {
         if (failure) return;
         State first = simulation.state();

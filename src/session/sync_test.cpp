@@ -29,7 +29,7 @@ Step SyncTestSession::advance() {
     for (const InputQueue& queue : queues) {
         if (queue.next() == current) return {Stall::local_input_missing, requests, 0};
     }
-    // The present is kept before it is left: what the re-runs arrive at is compared with it.
+    // The present state is saved first: after the rollback, the ticks that run again must lead back to it.
     requests.push_back(Save{current});
     if (current >= depth) {
         requests.push_back(Load{current - depth, true});
@@ -72,7 +72,7 @@ HashCheck SyncTestSession::report_hash(std::uint64_t tick, std::uint64_t hash) {
     return first == hash ? HashCheck::accepted : HashCheck::differs;
 }
 
-/// A tick has been run again `depth` times when the present is depth + 1 ticks after it.
+/// A tick has run `depth` further times as soon as the present tick is more than `depth` ticks ahead of it.
 std::optional<ConfirmedTick> SyncTestSession::next_confirmed() {
     if (confirmed + (settled ? 0 : depth) >= current) return std::nullopt;
     inputs.clear();

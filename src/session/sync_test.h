@@ -1,4 +1,5 @@
-// The sync test: a rollback of fixed depth at every tick, with true inputs, so that every hash must come out the same.
+// The sync test session: rolls back a fixed number of ticks in every tick, with the true inputs, so every
+// hash must repeat.
 #pragma once
 
 #include "session/inputs/input_queue.h"
@@ -12,8 +13,8 @@ class SyncTestSession final : public Session {
     void poll(std::uint64_t now_ms) override;
     void add_local_input(std::uint32_t player, std::span<const std::byte> input) override;
     Step advance() override;
-    Step
-    settle() override; ///< ends the test: the last `depth` ticks are confirmed without a rollback across them
+    /// Ends the test: the last `depth` ticks are confirmed without a rollback across them.
+    Step settle() override;
     HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override;
     std::optional<ConfirmedTick> next_confirmed() override;
     std::optional<Notice> next_notice() override { return std::nullopt; }

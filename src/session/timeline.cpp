@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint8_t wish_kind = 0x57, stretch_kind = 0x54, offer_kind = 0x4f, chunk_kind = 0x43,
                        word_kind = 0x48, admission_kind = 0x52; // "W", "T", "O", "C", "H", "R"
 constexpr std::uint32_t flag_log = 1, flag_state = 2, flag_seat = 4;
-constexpr std::size_t proof_max = 20; ///< of a tree over state_bytes_limit
+constexpr std::size_t proof_max = 20; ///< above the depth of a tree over state_bytes_limit bytes
 
 base::ByteWriter begin(std::vector<std::byte>& buffer, std::uint8_t kind, std::uint32_t match) {
     buffer.clear();
@@ -181,16 +181,17 @@ std::optional<Admission> read_admission(std::span<const std::byte> packet, std::
 
 namespace {
 constexpr std::uint64_t listener_resend_polls = 20, ticks_ahead_max = 256;
-constexpr std::uint64_t snapshot_polls = 120; ///< from one state to the next, at least
-constexpr std::uint64_t snapshot_polls_max =
-    7200; ///< an older one is kept for who takes it where it has many chunks only
-constexpr std::uint64_t quiet_polls = 60;   ///< a listener that is silent for so long is sent nothing
-constexpr std::uint64_t kept_unheard = 256; ///< [ticks] least length of the log without listeners
-constexpr std::uint64_t held_times =
-    8; ///< bound of a log for a listener that receives a state, over the usual bound
+constexpr std::uint64_t snapshot_polls = 120; ///< minimum distance between two states
+/// Minimum time for which a state is kept while a listener collects it.
+constexpr std::uint64_t snapshot_polls_max = 7200;
+constexpr std::uint64_t quiet_polls = 60;   ///< a listener that is silent for longer receives no ticks
+constexpr std::uint64_t kept_unheard = 256; ///< minimum length of the log without listeners [ticks]
+/// Maximum length of a log with listeners, as a multiple of log_ticks_max.
+constexpr std::uint64_t held_times = 8;
 constexpr std::uint32_t chunks_per_wish = 2, chunk_times = 8;
 
-/// How long a state is kept for who takes it: as many times as long as its chunks take where none is lost.
+/// Returns how long a state is kept for its listeners [polls]: eight times the transfer time without loss,
+/// but at least snapshot_polls_max.
 std::uint64_t polls_of(const Offer& offer) {
     return std::max<std::uint64_t>(snapshot_polls_max,
                                    std::uint64_t{chunk_times} * offer.chunks() / chunks_per_wish);
@@ -226,8 +227,8 @@ void TimelineHost::add_told(std::uint64_t tick, std::span<const std::byte> told)
     base::ByteWriter(log).bytes(told);
 }
 
-/// Called before a tick is added. The newest ticks are kept while nobody listens, too: whoever takes the state of another machine may ask here
-/// for the ticks after it.
+/// Called before a tick is added. The log keeps the newest ticks even without listeners: a machine that
+/// received a state from another host may request the ticks after that state here.
 void TimelineHost::make_room() {
     const std::uint64_t ticks = log.size() / tick_bytes;
     const bool is_unheard = !def.keeps_unheard && all.empty();
@@ -235,7 +236,7 @@ void TimelineHost::make_room() {
     if (ticks < most) return;
     std::uint64_t old = ticks - ticks / 2;
     if (!def.keeps_unheard && ticks / held_times < most) old = std::min(old, first_awaited() - log_first);
-    if (old < most / 4) return; // few at a time would move the rest each time
+    if (old < most / 4) return; // moving the rest costs time, so ticks are not dropped a few at a time
     log.erase(log.begin(), log.begin() + static_cast<std::ptrdiff_t>(old * tick_bytes));
     log_first += old;
 }
@@ -299,7 +300,7 @@ void TimelineHost::send(Transport& transport, PeerId to, std::span<const std::by
 
 void TimelineHost::serve_word(Listener& listener, Transport& transport) {
     const std::uint64_t tick = listener.wish.asked, end = shown_end();
-    if (is_told) { // of all other ticks only the low half of the hash is known
+    if (is_told) { // other ticks: only the low half of the hash is known
         if (tick < end && snapshot && tick + 1 == snapshot->offer().tick)
             send(transport, listener.peer, write_word(packet, match, {tick, snapshot->offer().hash}));
         return;
@@ -315,7 +316,8 @@ bool TimelineHost::is_snapshot_taken() const {
            });
 }
 
-/// Makes a state when somebody wants one, but not within two seconds of the last, nor while somebody takes that one.
+/// Makes a state on request, at most one in snapshot_polls polls, and not while a listener collects the
+/// stored one. Returns true if a stored state can be sent.
 bool TimelineHost::make_snapshot(StateInspector* states) {
     const std::uint64_t age = polls - snapshot_at_poll;
     const bool is_kept = snapshot && snapshot->offer().tick >= log_first &&
@@ -334,7 +336,8 @@ bool TimelineHost::make_snapshot(StateInspector* states) {
     return snapshot && snapshot->offer().tick >= log_first && snapshot->offer().tick <= shown_end();
 }
 
-/// The offer, or the next chunks: each once, and again from the first that is missing after 20 wishes without progress.
+/// Sends the offer of a state, or its next chunks. Each chunk is sent once. After 20 requests without
+/// progress, the host sends again from the first missing chunk on.
 void TimelineHost::serve_state(Listener& listener, Transport& transport) {
     const Wish& wish = listener.wish;
     const Offer& offer = snapshot->offer();
@@ -362,15 +365,18 @@ void TimelineHost::serve_state(Listener& listener, Transport& transport) {
     }
 }
 
-/// The log no longer holds the ticks that the listener lacks: it receives the start of the log.
+/// For a listener that lacks ticks which the log no longer holds: sends it the first tick of the log, every
+/// 20 polls.
 void TimelineHost::tell_begin(Listener& listener, Transport& transport) {
     if (++listener.polls_without_progress < listener_resend_polls) return;
     listener.polls_without_progress = 0;
     send(transport, listener.peer, write_stretch(packet, match, {log_first, 0, shown_end(), {}}));
 }
 
-/// Sends the next ticks, once; and again, from the first that the listener lacks, after 20 polls without progress. The others wait for a machine
-/// that comes to play: in each second poll it is sent the first ticks that it may lack, and in the others the next ones, however long the way.
+/// Sends the next ticks. Each tick is sent once; after 20 polls without progress the host sends again from
+/// the first missing tick on. The match waits for a machine that joins, so this machine gets the first
+/// ticks that it may lack in every second poll, and the next ones in the other polls, independent of the
+/// round trip.
 void TimelineHost::serve_log(Listener& listener, Transport& transport) {
     if (listener.wanted < log_first) return tell_begin(listener, transport);
     if (listener.sent > listener.wanted && ++listener.polls_without_progress >= listener_resend_polls) {

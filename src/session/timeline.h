@@ -1,8 +1,9 @@
-// What a machine shows of the confirmed timeline to those who are not in it: watchers, and who comes late or back.
+// Access to the confirmed timeline for machines outside the match: spectators, and machines that join late
+// or return.
 //
-// A listener says each poll what it lacks (a wish); it is answered from the log, or with a state in chunks (snapshot.h), and told
-// the hash of the tick that it asks for. A wish is worth at most four packets, and a listener costs no more than its share of
-// them, whatever it asks.
+// Such a machine, a listener, sends in each poll a request (Wish) with what it lacks. The host answers with
+// ticks of its log, with chunks of a state (snapshot.h), and with the hash of a requested tick. A request
+// causes at most four packets, so the requests of a listener cannot increase its share of the traffic.
 #pragma once
 
 #include "session/inputs/input_queue.h"
@@ -11,43 +12,47 @@
 
 namespace lockstone::session {
 
-inline constexpr std::uint64_t no_tick = 0xffff'ffff; ///< where a packet may leave a tick out
+inline constexpr std::uint64_t no_tick = 0xffff'ffff; ///< marks an omitted tick in a packet
 
-/// A ticket holds the life of the requesting machine; its low bits count the requests of that life with a new ticket.
+/// A ticket is life * 256 + number: the life of the requesting machine (JoinDef::life), and the number of
+/// the request in that life.
 inline constexpr std::uint32_t tickets_of_a_life = 256;
 inline std::uint32_t life_of(std::uint32_t ticket) { return ticket / tickets_of_a_life; }
 
+/// A request of a listener to a host.
 struct Wish {
     bool wants_log = false;
-    bool wants_state = false; ///< it has none, or one of another match
-    bool wants_seat = false;  ///< it is level with the match
-    std::uint32_t ticket =
-        0; ///< of one that comes to play: greater each time that it asks; 0: it only watches
-    std::uint64_t wanted = 0;        ///< first tick of the log that is not here
-    std::uint64_t asked = no_tick;   ///< whose hash it wants to hear
-    std::uint64_t offered = no_tick; ///< tick of the state whose chunks it takes
-    std::uint32_t missing = 0;       ///< its first chunk that is not here
-    std::uint64_t have = 0;          ///< bit i: chunk missing + 1 + i is here
+    bool wants_state = false; ///< requests a state: the listener has none, or one of another match
+    bool wants_seat = false;  ///< requests its seat: the listener has caught up with the match
+    /// Ticket of the request for the seat, greater for each new request; 0: a spectator without a seat.
+    std::uint32_t ticket = 0;
+    std::uint64_t wanted = 0;        ///< first missing tick of the log
+    std::uint64_t asked = no_tick;   ///< requests the hash after this tick
+    std::uint64_t offered = no_tick; ///< tick of the state whose chunks the listener collects
+    std::uint32_t missing = 0;       ///< first missing chunk of that state
+    std::uint64_t have = 0;          ///< bit i: chunk missing + 1 + i has arrived
 
     friend bool operator==(const Wish&, const Wish&) = default;
 };
 
-/// Ticks of the confirmed timeline: of each the status of each player, the low half of the hash, and the inputs. Of no tick: what lies before
-/// `first` is forgotten.
+/// Consecutive ticks of the confirmed timeline, each with the low half of its hash, the players that have
+/// left, and all inputs. Without ticks (count 0): the host no longer holds ticks below `first`.
 struct Stretch {
     std::uint64_t first = 0;
     std::uint32_t count = 0;
-    std::uint64_t end = 0;            ///< ticks below may be watched by now
-    std::span<const std::byte> bytes; ///< per tick: u32 hash, u16 bit p: player p has left, then inputs
+    std::uint64_t end = 0;            ///< listeners may receive ticks below
+    std::span<const std::byte> bytes; ///< per tick: u32 hash, u16 bit p: player p has left, inputs [players]
 };
+/// Maximum length of Stretch::bytes [bytes].
 inline constexpr std::size_t stretch_bytes_max = 1100;
 
-/// The hash after a confirmed tick.
+/// Message of a host: the hash of the state after a confirmed tick.
 struct Word {
     std::uint64_t tick = 0, hash = 0;
 };
 
-/// From which tick on a machine's inputs count again, and since when everybody's do (0: from the start).
+/// Answer to a request for a seat: the first tick with the machine's inputs, and for each player the tick
+/// of its last join (0: the start).
 struct Admission {
     std::uint32_t ticket = 0;
     std::uint64_t tick = 0;
@@ -56,7 +61,8 @@ struct Admission {
     friend bool operator==(const Admission&, const Admission&) = default;
 };
 
-/// The packets, as README.md specifies them.
+/// The writers fill `buffer` with a packet in the format of README.md and return it. The view is valid
+/// until the buffer changes.
 std::span<const std::byte> write_wish(std::vector<std::byte>& buffer, std::uint32_t match, const Wish& wish);
 std::span<const std::byte> write_stretch(std::vector<std::byte>& buffer, std::uint32_t match,
                                          const Stretch& stretch);
@@ -67,7 +73,8 @@ std::span<const std::byte> write_chunk(std::vector<std::byte>& buffer, std::uint
 std::span<const std::byte> write_word(std::vector<std::byte>& buffer, std::uint32_t match, const Word& word);
 std::span<const std::byte> write_admission(std::vector<std::byte>& buffer, std::uint32_t match,
                                            std::uint32_t players, const Admission& admission);
-/// Nothing of a packet that is not one of this match, to the bit.
+/// The readers return the content of a packet; empty: another kind, another match, a wrong checksum or a
+/// field out of range. Views point into `packet`.
 std::optional<Wish> read_wish(std::span<const std::byte> packet, std::uint32_t match);
 std::optional<Stretch> read_stretch(std::span<const std::byte> packet, std::uint32_t match,
                                     std::size_t tick_bytes);
@@ -76,40 +83,46 @@ std::optional<Chunk> read_chunk(std::span<const std::byte> packet, std::uint32_t
 std::optional<Word> read_word(std::span<const std::byte> packet, std::uint32_t match);
 std::optional<Admission> read_admission(std::span<const std::byte> packet, std::uint32_t match,
                                         std::uint32_t players);
+/// True if the first byte is that of a request.
 bool is_wish(std::span<const std::byte> packet);
-/// One of those that answer wishes, by its first byte.
+/// True if the first byte is that of an answer to a request.
 bool is_answer_to_wish(std::span<const std::byte> packet);
 
-/// How long a tick is in the log [bytes].
+/// Length of a tick in the log [bytes].
 inline std::size_t tick_bytes_of(const SessionDef& def) { return 6 + def.players.size() * def.input_size; }
 
+/// Settings of a TimelineHost.
 struct TimelineDef {
-    /// When the log has so many, the older half of them is forgotten. Without `keeps_unheard`: but for what a listener is on the way to,
-    /// until it has eight times as many.
+    /// Capacity of the log [ticks]. A full log drops its older half. Without `keeps_unheard` it keeps the
+    /// ticks that a listener still needs, up to eight times the capacity.
     std::uint64_t log_ticks_max;
-    std::uint32_t delay_ticks; ///< so much later listeners see a tick
+    std::uint32_t delay_ticks; ///< delay of the listeners behind the newest tick [ticks]
+    /// Limit of listeners; requests of others are ignored.
     std::uint32_t listeners_max;
-    std::uint64_t silence_polls; ///< then a listener is forgotten
-    bool keeps_unheard;          ///< the log is kept also while nobody listens
+    std::uint64_t silence_polls; ///< a listener is removed after this silence [polls]
+    bool keeps_unheard;          ///< false: without listeners the log holds only the newest 256 to 512 ticks
 };
 
+/// Stores confirmed ticks in a log and sends them, and states, to listeners. One thread at a time.
 class TimelineHost {
   public:
     TimelineHost(const SessionDef& def, TimelineDef how);
 
-    /// The confirmed ticks, one after the other (asserted).
+    /// Adds the next confirmed tick; a gap ends the program.
     void add(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash);
-    /// The next tick, as another host told it: of its hash the low half is known only.
+    /// Adds the next tick as another host sent it [tick_bytes_of()]: only the low half of its hash is
+    /// known.
     void add_told(std::uint64_t tick, std::span<const std::byte> told);
-    /// A state that another host has sent.
+    /// Stores a state that another host has sent.
     void set_snapshot(const Offer& offer, std::span<const std::byte> image);
-    /// Whether a listener takes the state that there is, and has not done so for too long.
+    /// True if a listener collects the stored state, and the time for it has not expired.
     bool is_snapshot_taken() const;
-    /// The low half of the hash after a tick in the log; nothing of others.
+    /// Low half of the hash after a tick; empty: the log does not hold the tick.
     std::optional<std::uint32_t> told_hash(std::uint64_t tick) const;
-    /// A listener's word. Whoever claims to have what it was not sent yet has its word ignored.
+    /// Handles a request. It ignores a request for ticks after those that listeners may receive: the sender
+    /// cannot have the ticks before.
     void hear(PeerId peer, const Wish& wish);
-    /// Sends each listener what is due. `states`: where states come from; null: nowhere.
+    /// Sends each listener the answers to its request. `states`: source of states; null: none.
     void serve(Transport& transport, StateInspector* states);
     std::uint32_t listeners() const { return static_cast<std::uint32_t>(all.size()); }
     std::uint64_t packets_sent() const { return packets; }
@@ -123,12 +136,12 @@ class TimelineHost {
     struct Listener {
         PeerId peer;
         Wish wish;
-        bool was_heard = false;             ///< since it was served last
+        bool was_heard = false;             ///< a request arrived since the last serve()
         std::uint64_t wanted = 0, sent = 0; ///< ticks
         std::uint64_t silent_polls = 0, polls_without_progress = 0;
-        std::uint64_t chunks_of = no_tick; ///< the tick of the state that it takes
+        std::uint64_t chunks_of = no_tick; ///< tick of the state that the listener collects
         std::uint32_t chunk_next = 0, chunk_missing = 0, wishes_without_chunk = 0;
-        std::uint64_t chunks_sent = 0; ///< of that state, in all
+        std::uint64_t chunks_sent = 0; ///< chunks of that state sent so far
     };
     std::uint64_t shown_end() const;
     void make_room();
@@ -144,15 +157,15 @@ class TimelineHost {
     std::uint32_t match;
     std::size_t tick_bytes;
     std::uint64_t log_first = 0;
-    std::vector<std::byte> log; ///< as Stretch tells
-    /// By tick modulo history_ticks; unused where another host tells the ticks
+    std::vector<std::byte> log; ///< ticks in the format of Stretch::bytes
+    /// [history_ticks] by tick modulo history_ticks; unused if the ticks come from another host.
     std::vector<std::uint64_t> hashes;
-    bool is_told = false; ///< by another host
+    bool is_told = false; ///< the ticks come from another host
     bool has_begun = false;
-    std::uint64_t first = 0; ///< tick that was added first
+    std::uint64_t first = 0; ///< the first added tick
     std::optional<Snapshot> snapshot;
     std::uint64_t polls = 0, snapshot_at_poll = 0, made = 0;
-    std::vector<Listener> all; ///< by peer
+    std::vector<Listener> all; ///< ordered by peer
     std::vector<std::byte> packet;
     Chunk chunk;
     std::uint64_t packets = 0, bytes = 0;

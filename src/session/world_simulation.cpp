@@ -1,4 +1,4 @@
-// A World and a Game as the simulation that a runner drives.
+// WorldSimulation: a World with a Game as the simulation of a runner.
 #include "lockstone/session.h"
 
 #include "lockstone/testing.h"
@@ -21,9 +21,10 @@ void WorldSimulation::advance(std::span<const PlayerInput> inputs) {
     const Status status = game.advance(driven, inputs);
     if (!status && first_failure)
         first_failure = Error{base::join("tick ", tick, ": the game's rules fail: ", status.error().message)};
-    if (driven.tick_count() == tick) driven.tick(); // the session counts it
+    // Each call must run one tick, even after an error of the game.
+    if (driven.tick_count() == tick) driven.tick();
 }
-/// Without `tick_count` the state may have run any number of ticks.
+/// Without `tick_count` the state may be of any tick.
 Status WorldSimulation::adopt_if(std::span<const std::byte> portable_image,
                                  std::optional<std::uint64_t> tick_count) {
     World& driven = living();
@@ -45,7 +46,7 @@ Status WorldSimulation::adopt_at(std::uint64_t tick, std::span<const std::byte> 
     if (!start) return start.error();
     return adopt_if(portable_image, start->tick_count() + tick);
 }
-/// In a clone: a journal of the world that is driven hears nothing of it.
+/// Runs in a clone, so a journal of the world records nothing of it.
 std::optional<Rerun> WorldSimulation::run_aside(const Image& before, std::span<const PlayerInput> inputs) {
     World aside = living().clone();
     aside.restore(before);

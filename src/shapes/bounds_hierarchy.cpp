@@ -32,7 +32,7 @@ void BoundsHierarchy::start(std::uint32_t count, const Extent& all) {
 }
 
 std::int32_t BoundsHierarchy::quantised(Coordinate x, int axis) const {
-    // Queries are clamped: beyond all boxes, and short of the bounds that empty places have.
+    // Clamps queries to a range beyond all boxes that excludes the bounds of empty slots.
     const std::int64_t steps = sub_saturated(x.raw, middle[axis].raw) >> shift;
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(steps, lowest + 1, highest - 1));
 }
@@ -68,7 +68,8 @@ BoundsHierarchy::Query BoundsHierarchy::query_of(const Extent& where) const {
     return q;
 }
 
-// No branches and no shifts by variables, and never inlined: so compilers compare four at once, which they do not do within a loop.
+// No branches, no shifts by variables, and never inlined: compilers then compare four boxes at once, which they
+// do not do when it is inlined into a loop.
 std::uint32_t BoundsHierarchy::overlaps(const Group& g, const Query& q) {
     constexpr std::uint32_t bit[width] = {1, 2, 4, 8, 16, 32, 64, 128};
     const auto past = [](std::int32_t a, std::int32_t b) { return static_cast<std::uint32_t>(a > b); };

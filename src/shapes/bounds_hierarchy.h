@@ -1,6 +1,7 @@
-// A tree over boxes that never change, the triangles of a mesh or the parts of a compound. Its shape follows from their number: eight
-// neighbours in the order given make one box of the next level. Whoever orders the boxes in space makes it good; in any order it is
-// right. What moves is in a tree that changes leaf by leaf: collide/broad/tree.h.
+// A tree over boxes that never change: the triangles of a mesh or the parts of a compound. Only the number of
+// boxes decides its shape: eight neighbours in the given order make one box of the next level. The result is
+// correct for any order; queries are fast when the caller orders the boxes by position. For boxes that move
+// there is a tree that changes leaf by leaf: collide/broad/tree.h.
 #pragma once
 
 #include "shapes/asset/asset.h"
@@ -11,22 +12,24 @@ namespace lockstone::shapes {
 
 class BoundsHierarchy {
   public:
-    static constexpr std::uint32_t width = 8; ///< boxes side by side
+    static constexpr std::uint32_t width = 8; ///< number of boxes in a group
 
-    /// `all` bounds every box_of(0) .. box_of(count - 1); all within 2^14 m of the origin; count in 1 .. 2^24.
+    /// Builds the tree. `all` must bound every box_of(0) .. box_of(count - 1). All boxes must be within 2^14 m
+    /// of the origin, and count in 1 .. 2^24.
     template <class BoxOf> BoundsHierarchy(std::uint32_t count, const Extent& all, BoxOf&& box_of) {
         start(count, all);
         for (std::uint32_t i = 0; i < count; ++i) put(groups[i / width], i % width, box_of(i));
         finish(count);
     }
 
-    /// Calls each(index), ascending, for all boxes that overlap; when not `is_exact` for a few more.
+    /// Calls each(index), in ascending order, for all boxes that overlap `where`, and for a few others when not
+    /// `is_exact`.
     template <class Each> void visit(const Extent& where, Each&& each) const {
         const Query q = query_of(where);
         walk([&q](const Group& group) { return overlaps(group, q); }, each);
     }
-    /// Calls each(index), ascending, for all boxes that may_meet(box) holds of, and of all boxes above them; boxes are a little larger
-    /// when not `is_exact`.
+    /// Calls each(index), in ascending order, for all boxes for which may_meet(box) is true, for the box and
+    /// all its ancestors. The boxes passed to may_meet are a little larger when not `is_exact`.
     template <class MayMeet, class Each> void visit_if(MayMeet&& may_meet, Each&& each) const {
         const auto hits_of = [&](const Group& group) {
             std::uint32_t hits = 0;
@@ -40,7 +43,7 @@ class BoundsHierarchy {
 
   private:
     static constexpr std::size_t levels_max = 9;
-    /// Eight boxes side by side, in 2^shift steps from `middle`, rounded down, which keeps the order.
+    /// Eight boxes in steps of 2^shift from `middle`. Coordinates are rounded down, which keeps their order.
     struct alignas(32) Group {
         std::int32_t lower[3][width], upper[3][width];
     };
@@ -48,7 +51,7 @@ class BoundsHierarchy {
         std::int32_t lower[3], upper[3];
     };
 
-    /// hits_of(group): bit k of the boxes in it to go on with.
+    /// hits_of(group) returns one bit for each box of the group to visit.
     template <class HitsOf, class Each> void walk(HitsOf&& hits_of, Each&& each) const {
         struct {
             std::uint32_t group, hits;
@@ -75,15 +78,15 @@ class BoundsHierarchy {
     void finish(std::uint32_t count);
     std::int32_t quantised(Coordinate x, int axis) const;
     Query query_of(const Extent& where) const;
-    Extent box_of(const Group& group, std::uint32_t slot) const; ///< of a slot that is not empty
+    Extent box_of(const Group& group, std::uint32_t slot) const; ///< of a slot in use
 
-    /// Bit k: box k overlaps.
+    /// Returns bit k when box k overlaps.
     [[gnu::noinline]] static std::uint32_t overlaps(const Group& g, const Query& q);
 
     CoordinateVec3 middle{};
     int shift = 0;
-    std::vector<Group> groups;              ///< level 0, whose boxes are those given, then level 1, ...
-    std::vector<std::uint32_t> level_start; ///< the first group of each level; the last level has one
+    std::vector<Group> groups;              ///< level 0 (the given boxes), then level 1, ...
+    std::vector<std::uint32_t> level_start; ///< first group of each level; the last level has one group
 };
 
 } // namespace lockstone::shapes

@@ -1,4 +1,4 @@
-// Compounds: convex parts with places, found by extent.
+// Compounds: convex parts with poses, selected by extent.
 #include "lockstone/math/math.h"
 #include "shapes/asset/asset_file.h"
 #include "shapes/bounds_hierarchy.h"
@@ -16,10 +16,10 @@ constexpr Real place_max = Real(100);
 
 Extent united(const Extent& a, const Extent& b) { return {min(a.lower, b.lower), max(a.upper, b.upper)}; }
 
-/// Of a turned and moved box, rounded outward by more than its rounding errors.
+/// The bounds of a rotated and moved box, grown by more than the rounding errors.
 Extent placed(const Extent& e, const Transform& local) {
     const Rotation r = to_rotation(local.rotation);
-    const CoordinateVec3 middle = e.lower + e.upper, half = e.upper - e.lower; // twice
+    const CoordinateVec3 middle = e.lower + e.upper, half = e.upper - e.lower; // both are twice the value
     const Rotation turned = transpose(r);
     const CoordinateVec3 at = mul<Coordinate>(r, middle);
     const CoordinateVec3 reach{dot<Coordinate>(abs(turned.x), half), dot<Coordinate>(abs(turned.y), half),
@@ -34,7 +34,7 @@ Extent placed(const Extent& e, const Transform& local) {
     return {bound(at - reach, -4), bound(at + reach, 4)};
 }
 
-/// Neighbours in space become neighbours in the order, in groups of whole boxes of the hierarchy.
+/// Orders the parts so that neighbours in space are together, in groups that fill whole boxes of the hierarchy.
 class Ordering {
   public:
     explicit Ordering(Compound& of) : compound(of) {
@@ -61,7 +61,7 @@ class Ordering {
         };
         std::sort(compound.order.begin() + first, compound.order.begin() + last, before);
         std::uint32_t box =
-            BoundsHierarchy::width; // how many parts are in each of the boxes that these come to
+            BoundsHierarchy::width; // number of parts in each box of the level that these parts fill
         while (box * BoundsHierarchy::width < last - first) box *= BoundsHierarchy::width;
         const std::uint32_t boxes = (last - first + box - 1) / box, middle = first + boxes / 2 * box;
         split(first, middle);
@@ -82,8 +82,9 @@ void complete(Compound& compound) {
             compound.core_center = part.local * shapes::core_center(part.solid);
         }
     }
-    // Few parts are looked at one by one. A compound of one part, 112 bytes, then takes 592 bytes of memory, with a hierarchy 960:
-    // more than the eight times that a reader of recordings counts for an asset.
+    // Few parts are tested one by one. A compound of one part, 112 bytes, then takes 592 bytes of memory. With
+    // a hierarchy it would take 960, more than the factor of eight that a reader of recordings allows for an
+    // asset.
     if (compound.parts.size() <= BoundsHierarchy::width) return;
     Ordering{compound};
     compound.hierarchy = std::make_unique<const BoundsHierarchy>(
@@ -97,7 +98,7 @@ bool is_unit(Quat q) {
     return magnitude(square - (std::int64_t{1} << 60)) <= std::uint64_t{1} << 33; // 2^-27
 }
 
-/// What is wrong with a part, or nothing.
+/// Returns the error in a part, or an empty string.
 std::string complaint(const CompoundPart& part) {
     if (part.geometry.kind > ShapeKind::plane)
         return join("its kind is ", static_cast<std::uint32_t>(part.geometry.kind),

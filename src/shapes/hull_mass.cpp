@@ -1,7 +1,7 @@
 // Volume, centre and inertia of closed surfaces as sums over tetrahedra with one common corner.
 //
-// A tetrahedron with corners 0, a, b, c and D = a . (b x c) has the volume D / 6, the first moment D (a + b + c) / 24 and
-// the second moments D / 120 (s_i s_j + a_i a_j + b_i b_j + c_i c_j), where s = a + b + c.
+// A tetrahedron with corners 0, a, b, c and D = a . (b x c) has the volume D / 6, the first moment
+// D (a + b + c) / 24 and the second moments D / 120 (s_i s_j + a_i a_j + b_i b_j + c_i c_j), where s = a + b + c.
 // source: Tonon, Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor, 2004.
 #include "shapes/hull/hull.h"
 
@@ -14,8 +14,8 @@
 namespace lockstone::shapes {
 namespace {
 
-/// Sums of D times a polynomial; the common corner lies within the surface, so that D is not negative but for rounding
-/// and nothing cancels.
+/// Sums of D times a polynomial. The common corner is inside the surface, so D is not negative except for
+/// rounding, and no terms cancel.
 struct Moments {
     Scaled volume{}, first[3]{}, second[6]{}; // second: xx, yy, zz, xy, xz, yz
 
@@ -83,7 +83,7 @@ SurfaceMass sum_over(std::span<const LengthVec3> vertices, std::span<const std::
 
 } // namespace
 
-// Volume + area r + sum of edge lengths times the angles between their triangles r^2 / 2 + ball.
+// Volume + area r + sum over edges of length times angle between the triangles r^2 / 2 + ball.
 Scaled rounded_volume(const Hull& hull, Scaled r) {
     struct Side {
         std::uint8_t low, high; // vertices of an edge
@@ -115,8 +115,8 @@ Scaled rounded_volume(const Hull& hull, Scaled r) {
 
 namespace {
 
-// The hull of the 26 vectors from a cube's centre to its corners, edges and faces, all made as long as this, has the
-// volume of the unit ball: with length 1 it has 8 / sqrt(6).
+// The hull of the 26 vectors from a cube's centre to its corners, edges and faces, all of this length, has the
+// volume of the unit ball. With length 1 its volume is 8 / sqrt(6).
 constexpr Real corner_length = decimal<Real>("1.08648754");
 
 } // namespace
@@ -141,7 +141,8 @@ ConvexSurface rounded_surface(const Hull& hull, Length radius, Real factor) {
                 for (const LengthVec3& v : hull.vertices) points.push_back(v + offset);
             }
     ConvexSurface surface;
-    convex_hull(points, surface); // has an inside, as the hull has
+    // Cannot fail: the points are not in one plane, because those of the hull are not.
+    convex_hull(points, surface);
     return surface;
 }
 

@@ -1,7 +1,7 @@
 // Mass, centre and squared gyration radii of the solid shapes.
 //
-// source: Eberly, Game Physics, 2nd ed., 2.5.5 (solids of revolution, parallel axis theorem); the capsule's form is
-// the cylinder's and two hemispheres' put together and simplified, so that one division is left.
+// source: Eberly, Game Physics, 2nd ed., 2.5.5 (solids of revolution, parallel axis theorem); the capsule's
+// form is the sum of a cylinder and two hemispheres, simplified so that one division remains.
 #include "lockstone/shape.h"
 
 #include "lockstone/math/math.h"
@@ -32,8 +32,8 @@ MassProperties solid(Scaled volume, Real density, I20F44 xx, I20F44 yy, I20F44 z
     return {unscaled<Real>(volume * scaled(density)), Vec3{}, Matrix3<I20F44>::diagonal(xx, yy, zz)};
 }
 
-// Sizes below are raw Lengths of at most 100 m: below 2^30.7, their squares below 2^61.4, so two of these add up in 64 bits and
-// three or four times one does not.
+// Sizes below are raw Lengths of at most 100 m: below 2^30.7, their squares below 2^61.4. Two squares add up in
+// 64 bits; three or four times a square does not fit.
 
 MassProperties sphere_mass(std::int64_t r, Real density) {
     const Scaled radius = scaled(r, Length::fraction_bits);
@@ -110,7 +110,7 @@ MassProperties primitive_mass(const Geometry& g, Real density) {
     }
 }
 
-/// R K R^T for symmetric K; the lower triangle mirrors the upper.
+/// R K R^T for a symmetric K; the lower triangle copies the upper.
 Matrix3<I20F44> rotated(const Rotation& r, const Matrix3<I20F44>& k) {
     const Matrix3<I20F44> half_way = mul<I20F44>(r, k); // columns of R K
     const Matrix3<I20F44> rows = transpose(half_way);   // rows of R K
@@ -121,7 +121,7 @@ Matrix3<I20F44> rotated(const Rotation& r, const Matrix3<I20F44>& k) {
             {xz, yz, dot<I20F44>(rows.z, t.z)}};
 }
 
-/// |d|^2 1 - d d^T: what a point mass at d adds to inertia / mass.
+/// |d|^2 1 - d d^T: the contribution of a point mass at d to inertia / mass.
 Matrix3<I20F44> point_gyration(Vec3 d) {
     using Sum = SumOfProducts<Real, Real>;
     const I20F44 xx = Sum{}.add(d.y, d.y).add(d.z, d.z).round<I20F44>();
@@ -179,7 +179,7 @@ MassProperties combine(std::span<const MassPart> parts) {
 PrincipalGyration principal_gyration(const MassProperties& properties) {
     const Matrix3<I20F44>& k = properties.gyration_squared;
     const std::int64_t widest = max(k.x.x, max(k.y.y, k.z.z)).raw;
-    // Scaled by a power of two that leaves `diagonalize` as many bits as small bodies have to give.
+    // Scales by a power of two so that `diagonalize` gets all significant bits of small bodies.
     const int shift = widest <= 0 ? 0 : 56 - std::min(56, bit_length(static_cast<std::uint64_t>(widest)));
     const auto column = [shift](const Vector3<I20F44>& c) {
         const auto scaled_up = [shift](I20F44 v) {

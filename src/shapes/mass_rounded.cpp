@@ -13,10 +13,10 @@ namespace {
 Scaled over(Scaled a, std::int32_t n) { return a / scaled(n, 0); }
 Scaled square(Scaled a) { return a * a; }
 
-/// The integral of x^2 over a box (a, b, c) rounded by r, as sums over the core, the slabs on its faces, the quarter
-/// cylinders along its edges and the eighths of a ball at its corners.
+/// The integral of x^2 over a box (a, b, c) rounded by r: the sum over the core, the slabs on its faces, the
+/// quarter cylinders along its edges and the eighths of a ball at its corners.
 Scaled second_moment(Scaled a, Scaled b, Scaled c, Scaled r) {
-    const Scaled mean = over(square(a), 3); // of x^2 wherever x runs over the core's width
+    const Scaled mean = over(square(a), 3); // mean of x^2 over the core's width
     const Scaled across = mean * (8 * a) * (b * c + r * (b + c));
     const Scaled slabs_x = over(8 * b * c * r * (3 * square(a) + 3 * a * r + square(r)), 3);
     const Scaled along_x = 2 * (scaled_pi * square(r) * a) * mean;
@@ -27,7 +27,7 @@ Scaled second_moment(Scaled a, Scaled b, Scaled c, Scaled r) {
     return across + slabs_x + along_x + 2 * (b + c) * disc + corners;
 }
 
-/// Moments of a plane region at distance rho > 0 from the axis of revolution.
+/// Moments of a plane region at distances rho > 0 from the axis of revolution.
 struct Profile {
     Scaled one{}, y{}, yy{}, rho_rho{}; ///< integrals of rho, rho y, rho y^2 and rho^3
 
@@ -38,7 +38,7 @@ struct Profile {
         yy = yy + w * square(at_y);
         rho_rho = rho_rho + w * square(rho);
     }
-    /// Corner, and two sides; exact, because Simpson's rule is for cubics.
+    /// Adds a parallelogram by a corner and two sides. Exact, because Simpson's rule is exact for cubics.
     void add_parallelogram(const Scaled (&from)[2], const Scaled (&u)[2], const Scaled (&v)[2]) {
         Scaled area = u[0] * v[1] - u[1] * v[0];
         if (area.mantissa < 0) area = -area;
@@ -58,7 +58,7 @@ struct Profile {
     struct Ray {
         Scaled angle, cos, sin;
     };
-    /// A sector of a disc about (rho, at_y) between two rays.
+    /// Adds a sector of a disc around (rho, at_y) between two rays.
     void add_sector(Scaled rho, Scaled at_y, Scaled r, Ray from, Ray to) {
         const auto cubed = [](Scaled s) { return s * square(s); };
         const Scaled turn = to.angle - from.angle, sines = to.sin * to.cos - from.sin * from.cos;
@@ -119,8 +119,8 @@ MassProperties rounded_cylinder_mass(Length core_radius, Length half_height, Len
 MassProperties rounded_cone_mass(Length base_radius, Length half_height, Length radius, Real density) {
     const Scaled b = scaled(base_radius), h = scaled(half_height), r = scaled(radius);
     const Scaled quarter = over(scaled_pi, 2);
-    // The slant's outward direction is (2 h, b) / length. Both are shifted up to 2^27 or more first: the length of a cone of
-    // millimetres would otherwise be rounded to 2e-8 of itself.
+    // The slant's outward direction is (2 h, b) / length. Both are first shifted to 2^27 or more: else the
+    // length of a cone of millimetres would have a relative rounding error of 2e-8.
     const std::int64_t across = std::int64_t{2} * half_height.raw;
     const int up =
         60 - bit_length(static_cast<std::uint64_t>(std::max<std::int64_t>(across, base_radius.raw)));

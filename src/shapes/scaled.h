@@ -1,4 +1,5 @@
-// A number mantissa * 2^exponent with 62 significant bits, for volumes and moments: they span 1e-17 to 1e12 in SI units.
+// A number mantissa * 2^exponent with 62 significant bits, for volumes and moments, which range from 1e-17 to
+// 1e12 in SI units.
 #pragma once
 
 #include "lockstone/math/fixed.h"
@@ -9,11 +10,12 @@ namespace lockstone::shapes {
 
 /// Not normalised: equal numbers may have different members.
 struct Scaled {
-    std::int64_t mantissa; ///< |mantissa| < 2^62: `reduced` makes it so, and shifts below count on it
+    std::int64_t mantissa; ///< |mantissa| < 2^62: `reduced` ensures it, and the shifts below rely on it
     int exponent;
 };
 
-/// Any mantissa brought below 2^62, rounded. Twice where rounding ends at 2^62 itself, which halves exactly.
+/// Reduces any mantissa to below 2^62, rounded. Loops a second time when rounding gives 2^62 itself; that
+/// halving is exact.
 constexpr Scaled reduced(std::int64_t mantissa, int exponent) {
     for (; bit_length(magnitude(mantissa)) > 62; ++exponent) mantissa = shift_right_rounded(mantissa, 1);
     return {mantissa, exponent};
@@ -45,7 +47,7 @@ constexpr Scaled operator+(Scaled a, Scaled b) {
                   a.exponent - 64);
 }
 constexpr Scaled operator-(Scaled a, Scaled b) { return a + -b; }
-/// The divisor is not 0. Both mantissas are brought into 2^61 .. 2^62, so the quotient lies in 2^59 .. 2^61.
+/// The divisor must not be 0. Both mantissas are shifted into 2^61 .. 2^62, so the quotient is in 2^59 .. 2^61.
 constexpr Scaled operator/(Scaled a, Scaled b) {
     if (a.mantissa == 0) return a;
     const auto zeros = [](std::int64_t m) { return 62 - bit_length(magnitude(m)); };
@@ -55,7 +57,7 @@ constexpr Scaled operator/(Scaled a, Scaled b) {
 }
 constexpr bool operator<(Scaled a, Scaled b) { return (a - b).mantissa < 0; }
 
-/// Rounded and clamped into a format.
+/// Rounds and clamps to a fixed-point format.
 template <FixedPoint T> constexpr T unscaled(Scaled s) {
     const int shift = -s.exponent - T::fraction_bits;
     if (s.mantissa == 0 || shift > 62) return T{};

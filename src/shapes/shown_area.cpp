@@ -11,11 +11,11 @@ Real across(UnitVec3 d) {
     return sqrt(SumOfProducts<Unit, Unit>{}.add(d.x, d.x).add(d.z, d.z).round<Real>());
 }
 
-/// Sums the shadows of triangles that face the direction.
+/// Sums the projections of the triangles that face the direction.
 struct Shadow {
     UnitVec3 d;
     Real twice_area{};
-    Vec3 moment{}; ///< of twice the area
+    Vec3 moment{}; ///< first moment of twice the area
 
     void add(Vec3 a, Vec3 b, Vec3 c) {
         const Vec3 ab = b - a, ac = c - a;

@@ -1,4 +1,4 @@
-// The area that a convex solid shows to a direction: for drag and blasts.
+// The projected area of a convex solid along a direction, for drag and blasts.
 #pragma once
 
 #include "shapes/asset/asset.h"
@@ -6,14 +6,16 @@
 namespace lockstone::shapes {
 
 struct ShownArea {
-    Real area;   ///< of the shadow on a plane across the direction [m^2]
-    Vec3 center; ///< of that shadow, somewhere along the direction, in the solid's frame [m]
+    Real area; ///< of the projection on a plane perpendicular to the direction [m^2]
+    /// Centroid of the projection, at some position along the direction, in the solid's frame [m].
+    Vec3 center;
 };
 
-/// |direction| = 1, in the solid's frame; any solid but compounds, meshes, height fields and planes. Spheres, capsules,
-/// boxes, cylinders and hulls exactly, but for rounding: rounded boxes, cylinders and cones count as grown by their radius to
-/// all sides, which is at most (4 - pi) radius^2 too much a corner; rounded hulls as scaled up to their reach. A cone is a
-/// pyramid of 16 sides with the same base area.
+/// |direction| = 1, in the solid's frame. For any solid except compounds, meshes, height fields and planes;
+/// primitives must have scale 1. Spheres, capsules, boxes, cylinders and hulls are exact without rounding.
+/// Rounded boxes, cylinders and cones count as grown by their radius on all sides, which is at most (4 - pi)
+/// radius^2 too much for each corner. Rounded hulls count as scaled up to their reach. A cone is a pyramid of
+/// 16 sides with equal base area.
 /// source: Cauchy, the shadow of a convex body is half the sum of its faces' shadows.
 ShownArea shown_area(const Solid& convex, UnitVec3 direction);
 

@@ -1,4 +1,4 @@
-// SolidCache; and the mass, the extent and the inner ball of a solid.
+// SolidCache, and the mass, extent and inner radius of a solid.
 #include "base/text.h"
 #include "lockstone/math/math.h"
 #include "shapes/asset/asset.h"
@@ -15,7 +15,8 @@ namespace {
 using base::hex;
 using base::join;
 
-constexpr Coordinate terrain_reach_max = Coordinate(8000); ///< of meshes and height fields at their scale [m]
+/// Limit for meshes and height fields at their scale [m].
+constexpr Coordinate terrain_reach_max = Coordinate(8000);
 
 std::int64_t factor_of(const Geometry& g) { return g.scale.x.raw >> Length::fraction_bits; }
 
@@ -29,7 +30,7 @@ Extent grown(const Extent& e, Coordinate by) {
     return {e.lower - all, e.upper + all};
 }
 
-/// Half the extent of a primitive, rounding and scale included.
+/// Half the extent of a primitive, with rounding and scale.
 CoordinateVec3 reach_of(const Geometry& g) {
     const Length r = g.radius;
     LengthVec3 reach = g.half_extent + LengthVec3{r, r, r};
@@ -38,7 +39,7 @@ CoordinateVec3 reach_of(const Geometry& g) {
     return to<Coordinate>(reach) * Coordinate(factor_of(g));
 }
 
-/// The distance of the middle of a cone's axis from its slant, rounded down.
+/// Distance of the middle of a cone's axis from its slant, rounded down.
 Coordinate cone_core_radius(const LengthVec3& half) {
     const Coordinate r = to<Coordinate>(half.x), h = to<Coordinate>(half.y);
     const Coordinate slant = length(CoordinateVec3{r, h + h, Coordinate{}});

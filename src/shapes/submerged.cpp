@@ -1,7 +1,8 @@
-// Clipping in the solid's own measure: coordinates u = (x - middle) / half extent lie in [-1, 1] and keep ratios of volumes.
+// Clips in normalized coordinates: u = (x - middle) / half extent is in [-1, 1], and ratios of volumes stay the
+// same.
 //
-// The volume below the plane is the sum of the tetrahedra from a point o of the plane to the clipped triangles of the
-// surface, D / 6 with D = a . (b x c): the lid lies in the plane and adds nothing.
+// The volume below the plane is the sum of the tetrahedra from a point o of the plane to the clipped triangles
+// of the surface, each D / 6 with D = a . (b x c). The cut face is in the plane and adds nothing.
 #include "shapes/submerged.h"
 
 #include "lockstone/math/math.h"
@@ -16,17 +17,18 @@ namespace {
 constexpr int bits = 27; ///< fraction bits of u and of heights
 constexpr std::int64_t one = std::int64_t{1} << bits;
 
-/// |x - o| <= 2.8 on each axis: |u| <= 1.04 and |o| <= sqrt 3.
+/// A corner relative to o: at most 2.8 on each axis, because |u| <= 1.04 and |o| <= sqrt 3.
 struct Corner {
-    std::int64_t x[3]; ///< from o
+    std::int64_t x[3]; ///< relative to o
     std::int64_t height;
 };
 
 struct Sums {
-    std::int64_t volume = 0;     ///< of D, 27 fraction bits
-    std::int64_t moment[3] = {}; ///< of D (a + b + c), 24 fraction bits
+    std::int64_t volume = 0;     ///< sum of D, 27 fraction bits
+    std::int64_t moment[3] = {}; ///< sum of D (a + b + c), 24 fraction bits
 
-    /// |D| <= 3 * 2.8 * 16 < 2^7: 2^61 before it is rounded; a moment's term is below 2^34 * 2^28. A thousand of them fit.
+    /// |D| <= 3 * 2.8 * 16 < 2^7, so it is below 2^61 before rounding. A moment's term is below 2^34 * 2^28 before
+    /// rounding. A thousand terms fit.
     void add(const Corner& a, const Corner& b, const Corner& c) {
         const auto cross = [&](int i, int j) {
             return shift_right_rounded(b.x[i] * c.x[j] - b.x[j] * c.x[i], bits);
@@ -39,7 +41,7 @@ struct Sums {
     }
 };
 
-/// Where the plane cuts the edge between a corner below and one above.
+/// The point where the plane cuts the edge between two corners on different sides.
 Corner cut(const Corner& a, const Corner& b) {
     const std::int64_t t = (a.height << 30) / (a.height - b.height); // heights below 2^30
     Corner out{};
@@ -51,7 +53,7 @@ void add_below(Sums& below, Corner a, Corner b, Corner c) {
     const int under = (a.height < 0) + (b.height < 0) + (c.height < 0);
     if (under == 0) return;
     if (under == 3) return below.add(a, b, c);
-    // Turned until a is the one that is alone on its side.
+    // Rotates the corners until a is the only one on its side.
     while ((a.height < 0) != (under == 1) || (b.height < 0) == (under == 1) ||
            (c.height < 0) == (under == 1)) {
         const Corner first = a;
@@ -72,7 +74,8 @@ constexpr std::int32_t fixed(const char* text) {
     return static_cast<std::int32_t>(parse_decimal<I4F28>(text).value.raw >> (28 - bits));
 }
 
-/// A regular polygon with the area of the unit circle, in the x-z plane, from +x towards -z: counter-clockwise from above.
+/// A regular polygon with the area of the unit circle, in the x-z plane, from +x towards -z: counter-clockwise
+/// from above.
 template <std::size_t N> constexpr std::array<std::array<std::int32_t, 2>, N> ring() {
     constexpr std::array<std::int32_t, 5> quarter16{fixed("1.0130015562559769"), fixed("0.9358914042269778"),
                                                     fixed("0.7163002697811272"), fixed("0.3876589125392148"),
@@ -94,7 +97,7 @@ template <std::size_t N> constexpr std::array<std::array<std::int32_t, 2>, N> ri
 constexpr auto ring16 = ring<16>();
 constexpr auto ring12 = ring<12>();
 
-/// Rings of N corners one above the other, closed below and above by fans.
+/// Rings of N corners in layers, closed at the bottom and the top by fans of triangles.
 template <std::size_t N, std::size_t Rings> constexpr auto stacked() {
     std::array<FaceCorners, 2 * N*(Rings - 1) + 2 * (N - 2)> faces{};
     std::size_t count = 0;
@@ -157,9 +160,10 @@ constexpr std::array<FaceCorners, 30> cone_faces = [] {
     return out;
 }();
 
-/// Rings of a half ball at 0, 30 and 60 degrees and almost at its pole, 1.03 from its centre so that the volume is right.
+/// Rings of a half ball at 0, 30 and 60 degrees and almost at its pole, at 1.03 of the radius for the correct
+/// volume.
 struct Latitude {
-    Real out, up; ///< of the radius
+    Real out, up; ///< in units of the radius
 };
 constexpr std::array<Latitude, 4> latitudes{{{Real(1), Real{}},
                                              {0.8932138548_r, 0.5156972595_r},
@@ -187,7 +191,7 @@ CapsulePoints capsule_points(const Geometry& g) {
 
 // ---- the part below ------------------------------------------------------------------------------------------------
 
-/// A solid's core as a surface in its own measure.
+/// The surface of a solid's core in normalized coordinates.
 struct Surface {
     std::span<const Point> points;
     std::span<const FaceCorners> faces;
@@ -195,7 +199,7 @@ struct Surface {
     Real rounding;     ///< [m]
 };
 
-/// What clipping needs, per thread; the largest hull has 255 corners.
+/// Buffers for clipping, on the stack of each call; the largest hull has 255 corners.
 struct Work {
     std::array<Point, 256> points;
     std::array<Corner, 256> corners;
@@ -213,7 +217,7 @@ Surface surface_of(const Solid& solid, Work& work, CapsulePoints& capsule) {
         Vec3 middle{}, reach{};
         for (int i = 0; i < 3; ++i) {
             middle[i] = lockstone::half(to<Real>(sum[i])), reach[i] = lockstone::half(to<Real>(size[i]));
-            // (2 x - sum) / size: below 2^56 + a rounding, since |2 x - sum| <= size, which is not 0.
+            // (2 x - sum) / size: at most 2^56 plus rounding, because |2 x - sum| <= size, and size is not 0.
             const std::int64_t inverse = (std::int64_t{1} << 56) / std::max<std::int64_t>(size[i].raw, 1);
             for (std::size_t k = 0; k < count; ++k)
                 work.points[k][static_cast<std::size_t>(i)] = static_cast<std::int32_t>(shift_right_rounded(
@@ -234,9 +238,9 @@ Surface surface_of(const Solid& solid, Work& work, CapsulePoints& capsule) {
     }
 }
 
-/// Volume of a cap of height s r of a ball of radius r, and its centre.
+/// Volume and centre of a ball's cap of height s r, for radius r.
 Submerged submerged_ball(Real radius, UnitVec3 n, Real offset) {
-    const Real s = offset / radius + Real(1); // up to saturation
+    const Real s = offset / radius + Real(1); // saturates for large offsets
     if (s <= Real{}) return {Unit{}, Vec3{}};
     if (s >= Real(2)) return {unit_one, Vec3{}};
     const Real fraction = shift_right(s * s * (Real(3) - s), 2);
@@ -244,7 +248,7 @@ Submerged submerged_ball(Real radius, UnitVec3 n, Real offset) {
     return {min(to<Unit>(fraction), unit_one), -lockstone::scale<Real>(n, down)};
 }
 
-/// The plane in u: a . u = b, with |a.x| + |a.y| + |a.z| = 1; 27 fraction bits.
+/// The plane in normalized coordinates: a . u = b, with |a.x| + |a.y| + |a.z| = 1; 27 fraction bits.
 struct Plane {
     std::int64_t a[3], b, low, high; ///< low, high: the least and greatest a . u of the surface
     std::int64_t side(const Point& p) const {
@@ -284,7 +288,8 @@ Scaled volume_of(const Solid& convex) {
     Geometry at_one = convex.geometry;
     at_one.scale = scale_one;
     const std::int32_t factor = convex.geometry.scale.x.raw >> Length::fraction_bits; // 1, 2, 4 or 8
-    // A large density keeps the bits of what is small: masses up to 8e6 m^3 * 1 kg/m^3 fit, up to 21,474 m^3 with this one.
+    // A large density keeps the bits of small volumes. With 1 kg/m^3 the masses of 8e6 m^3 fit, with this
+    // density those of up to 21,474 m^3.
     constexpr Real dense = Real(100000);
     const Real heavy = mass_of_primitive(at_one, dense).mass;
     const Scaled volume =
@@ -300,14 +305,14 @@ Submerged submerged(const Solid& convex, UnitVec3 n, Real offset) {
     const Surface s = surface_of(convex, work, capsule);
     Real size{};
     Plane p = plane_of(s, n, offset, size);
-    // In units of `size`: half the core's width along n, its middle, and what rounding adds to each side.
+    // In units of `size`: half the core's width along n, its middle, and the rounding on each side.
     const std::int64_t width = std::max<std::int64_t>((p.high - p.low) / 2, 1), middle = (p.high + p.low) / 2;
     const std::int64_t rounding =
         std::min(divide_shifted(s.rounding.raw, size.raw, bits), std::int64_t{1} << 34);
     p.b = middle + (p.b - middle) * width / (width + rounding); // 2^30 * 2^28
     if (p.b <= p.low) return {Unit{}, volume_center(convex)};
     if (p.b >= p.high) return {unit_one, volume_center(convex)};
-    // The foot of the origin: a b / a^2, |a|^2 >= 1/3.
+    // The point of the plane nearest to the origin: a b / a^2, |a|^2 >= 1/3.
     const std::int64_t square =
         shift_right_rounded(p.a[0] * p.a[0] + p.a[1] * p.a[1] + p.a[2] * p.a[2], bits);
     const std::int64_t factor = divide_shifted(p.b, square, bits);

@@ -1,4 +1,4 @@
-// What of a convex solid is below a plane: for buoyancy.
+// Computes the part of a convex solid below a plane, for buoyancy.
 #pragma once
 
 #include "lockstone/shape.h"
@@ -9,20 +9,23 @@ namespace lockstone::shapes {
 /// The part below a plane.
 struct Submerged {
     Unit fraction; ///< of the volume, 0..1
-    Vec3 center;   ///< of the part's volume, in the solid's frame [m]; of the whole where the fraction is 0
+    /// Centre of that part, in the solid's frame [m]; of the whole solid where the fraction is 0.
+    Vec3 center;
 };
 
-/// The part at n . x < offset [m], |n| = 1, of any solid but compounds, meshes, height fields and planes.
-/// Spheres by the closed form, boxes and hulls by clipping: to 1e-7 of the volume. Cylinders and cones are clipped as prisms of
-/// 16 sides, capsules as polytopes of 12, of the same volume: see submerged_error. A rounded solid is taken as its core with
-/// the plane moved in proportion, so that it is dry and under where it should be; exact for faces that lie level, else the
-/// error is within radius / (size of the core).
+/// The part at n . x < offset [m], |n| = 1, in the solid's frame. For any solid except compounds, meshes,
+/// height fields and planes; primitives must have scale 1. Spheres use a closed form. Boxes and hulls are
+/// clipped, to 1e-7 of the volume. Cylinders and cones are clipped as prisms and pyramids of 16 sides, capsules
+/// as polytopes of 12 sides, with equal volume: see submerged_error. For a rounded solid the core is clipped
+/// and the plane is moved in proportion, so that the solid is dry and fully submerged at the correct heights.
+/// This is exact for level faces; else the error is at most radius / (size of the core).
 Submerged submerged(const Solid& convex, UnitVec3 n, Real offset);
 /// Bound of the error of `fraction` for cylinders, cones and capsules.
 inline constexpr Real submerged_error = 0.004_r;
 
 Vec3 volume_center(const Solid& convex); ///< in the solid's frame [m]
-/// [m^3]: to half a step of a Real, of kilograms at 100,000 kg/m^3 below 21,474 m^3 and of cubic metres above, and to 2^-58.
+/// The volume [m^3]. Error: 2^-58 of it, plus half a step of a Real: for primitives below 21,474 m^3 of the
+/// mass in kg at 100,000 kg/m^3, for larger ones of the volume in m^3.
 Scaled volume_of(const Solid& convex);
 
 } // namespace lockstone::shapes

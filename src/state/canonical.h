@@ -1,5 +1,5 @@
-// Canonical bytes of many rows at once. The byte order of the host is a parameter, so that a test on any machine
-// runs the path of the other kind; callers pass std::endian::native.
+// Converts many rows to canonical bytes at once. The byte order of the host is a parameter, so that a test on any
+// machine can run the code for the other order; callers pass std::endian::native.
 #pragma once
 
 #include "base/hash.h"
@@ -11,7 +11,8 @@ namespace lockstone {
 
 static_assert(std::endian::native == std::endian::little || std::endian::native == std::endian::big);
 
-/// Copies whole rows, turning each leaf between `order` and little-endian; its own inverse. Sizes are equal.
+/// Copies whole rows and converts each leaf between `order` and little-endian. The function is its own inverse. Sizes
+/// are equal.
 void copy_canonical(std::endian order, std::span<const LeafInfo> leaves, std::span<const std::byte> rows,
                     std::span<std::byte> to);
 

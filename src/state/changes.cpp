@@ -1,4 +1,4 @@
-// What a reader has not seen yet: pages by version, as images copy them.
+// Lists the rows that have changed since a reader's last call: pages by version, as images compare them.
 #include "lockstone/state.h"
 #include "state/pages.h"
 
@@ -17,7 +17,7 @@ std::uint32_t State::take_changes(std::uint32_t column, ChangeMark& mark, std::v
         mark.versions.columns.assign(versions.columns.size(), 0);
         mark.rows.resize(versions.columns.size());
     }
-    if (mark.layout != shared_layout) { // the state has grown since; what was seen stands elsewhere now
+    if (mark.layout != shared_layout) { // the state has grown since then, so the pages have moved
         move_versions(mark.versions, *mark.layout, *shared_layout);
         mark.layout = shared_layout;
     }
@@ -33,7 +33,7 @@ std::uint32_t State::take_changes(std::uint32_t column, ChangeMark& mark, std::v
         else
             out.push_back({first, end});
     });
-    // A page that is gone is news when it comes back, even with the version that it had.
+    // A page that no longer exists counts as changed when it comes back, even with its old version.
     const std::size_t live = pages_of(place, now), gone = pages_of(place, before);
     for (std::size_t page = live; page < gone; ++page) mark.versions.pages[place.first_page + page] = 0;
     for (std::size_t chunk = (live + step - 1) / step; chunk * step < gone; ++chunk)

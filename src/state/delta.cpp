@@ -1,4 +1,4 @@
-// Delta images. The format is specified in README.md beside this file.
+// Delta images. README.md beside this file specifies the format.
 #include "base/assert.h"
 #include "base/bytes.h"
 #include "lockstone/state.h"
@@ -18,14 +18,14 @@ using base::join;
 using Bytes = std::span<const std::byte>;
 
 constexpr std::uint32_t no_row = 0xffffffffu;
-/// By row of a table, the row of the base that it is told as the difference to; `no_row`: to zeros.
+/// By row of a table: the row of the base against which it is encoded; `no_row`: against zeros.
 using RowMap = std::vector<std::uint32_t>;
 
 Bytes row_of(Bytes rows, std::uint32_t row, std::uint32_t row_size) {
     return rows.subspan(std::size_t{row} * row_size, row_size);
 }
 
-/// The rows of `rows` that are in no pair yet, by their bytes and then by number.
+/// The rows of `rows` that have no pair yet, by their bytes and then by number.
 std::vector<std::uint32_t> unpaired(Bytes rows, std::uint32_t row_size, const std::vector<bool>& paired) {
     std::vector<std::uint32_t> list;
     for (std::uint32_t row = 0; row < paired.size(); ++row)
@@ -38,9 +38,10 @@ std::vector<std::uint32_t> unpaired(Bytes rows, std::uint32_t row_size, const st
     return list;
 }
 
-/// Which row came from which, judged by the first column of the table, where ids and keys stand: rows move when others
-/// come, go, fall asleep and wake. Equal bytes are the same row; what has no equal stayed where it was. The order of
-/// memcmp depends on the host's byte order, the pairs do not.
+/// Finds which row of the base became which row now, from the first column of the table, which holds ids and keys:
+/// rows move when other objects are created or destroyed, fall asleep or wake. Rows with equal bytes are the same
+/// row; a row without an equal one is taken to have kept its place. The order of memcmp depends on the host's byte
+/// order, the pairs do not.
 RowMap match_rows(Bytes before, Bytes now, std::uint32_t row_size) {
     const std::uint32_t rows_before = static_cast<std::uint32_t>(before.size() / row_size),
                         rows_now = static_cast<std::uint32_t>(now.size() / row_size);
@@ -65,7 +66,8 @@ RowMap match_rows(Bytes before, Bytes now, std::uint32_t row_size) {
     return map;
 }
 
-/// Runs of rows that followed each other before, or that are new: length, then 0 for new ones or 1 + the first.
+/// Writes the map as runs of rows that followed each other in the base, or that are new: the length, then 0 for new
+/// rows or 1 + the first row.
 void append_map(const RowMap& map, base::ByteWriter& out) {
     for (std::size_t first = 0, end; first < map.size(); first = end) {
         end = first + 1;
@@ -121,8 +123,8 @@ void store(std::uint64_t value, unsigned size, std::byte* to) {
                 : as(value);
 }
 
-/// The difference of two fields of `size` bytes, modulo 2^(8 size), its sign in the lowest bit: near numbers, however
-/// signed, leave high bytes zero. Only the low 8 size bits of the result count.
+/// The difference of two fields of `size` bytes, modulo 2^(8 size), with its sign in the lowest bit: near numbers,
+/// signed or not, leave the high bytes zero. Only the low 8 size bits of the result are valid.
 std::uint64_t fold(std::uint64_t before, std::uint64_t now, unsigned size) {
     const std::uint64_t difference = now - before, sign = difference >> (8 * size - 1) & 1u;
     return difference << 1 ^ (std::uint64_t{0} - sign);
@@ -132,9 +134,10 @@ std::uint64_t unfold(std::uint64_t before, std::uint64_t folded, unsigned size) 
     return before + (bits >> 1 ^ (std::uint64_t{0} - (bits & 1u)));
 }
 
-/// Zeros and what stands between them, in turn: how many zeros, how many others and those, until all are told.
+/// Writes runs of zeros and of other bytes in turn: the number of zeros, the number of other bytes, and these bytes.
 void append_sparse(Bytes bytes, base::ByteWriter& out) {
-    constexpr std::size_t worth = 3; // zeros among others that are told as zeros: two numbers cost two bytes
+    // The shortest run of zeros between other bytes that is written as zeros: its two numbers cost two bytes.
+    constexpr std::size_t worth = 3;
     const auto zeros_at = [&](std::size_t at) {
         std::size_t end = at;
         while (end < bytes.size() && bytes[end] == std::byte{}) ++end;
@@ -157,7 +160,7 @@ void append_sparse(Bytes bytes, base::ByteWriter& out) {
     }
 }
 
-/// `into` is zero.
+/// `into` must be zero.
 void read_sparse(base::ByteReader& in, std::span<std::byte> into) {
     for (std::size_t at = 0; at < into.size() && in.ok();) {
         const std::size_t place = in.offset();
@@ -176,7 +179,7 @@ void read_sparse(base::ByteReader& in, std::span<std::byte> into) {
     }
 }
 
-/// One column against the base, whose rows are `before`; or the reverse.
+/// Encodes and decodes one column against the base, whose rows are `before`.
 struct ColumnDelta {
     const ColumnInfo& column;
     const RowMap& map;
@@ -218,7 +221,7 @@ struct ColumnDelta {
         append_sparse(planes, out);
     }
 
-    /// `now` has the table's rows.
+    /// `now` already has the size of the table's rows.
     void read(base::ByteReader& in, std::span<std::byte> now) const {
         const std::vector<std::byte> zeros(column.row_size);
         for (std::uint32_t row = 0; row < rows(); ++row)
@@ -257,7 +260,7 @@ struct ColumnDelta {
     }
 };
 
-/// Of each table the column that its rows are matched by, none for a table without columns.
+/// For each table, the column by which its rows are matched; null for a table without columns.
 std::vector<const ColumnInfo*> first_columns(const StateLayout& layout) {
     std::vector<const ColumnInfo*> first(layout.tables().size(), nullptr);
     for (const ColumnInfo& column : layout.columns())
@@ -296,7 +299,8 @@ std::vector<std::byte> State::save_delta(const State& base) const {
 
 namespace {
 
-/// What stands before the tables; whether `base` is what the delta was saved against. The hash of the result.
+/// Reads the fields before the tables, and fails if `base` is not the base of the delta. Returns the hash of the
+/// result.
 std::uint64_t read_delta_head(base::ByteReader& in, const State& base) {
     in.bytes(envelope_head_bytes, "header");
     const auto agree = [&](std::string_view what, std::uint64_t found, std::string_view where) {
@@ -310,7 +314,7 @@ std::uint64_t read_delta_head(base::ByteReader& in, const State& base) {
     return in.u64("hash of the result");
 }
 
-/// Row counts and where rows came from; gives `next` its rows.
+/// Reads the row counts and row maps, and resizes the tables of `next`.
 std::vector<RowMap> read_tables(base::ByteReader& in, const State& base, State& next) {
     const StateLayout& layout = base.layout();
     const std::vector<const ColumnInfo*> first = first_columns(layout);

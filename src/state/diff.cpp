@@ -12,7 +12,7 @@ namespace {
 
 std::string count_text(std::uint32_t count) { return base::join(count, " (raw ", base::hex(count), ")"); }
 
-/// The leaves of one row whose bytes differ.
+/// Appends the leaves of one row whose bytes differ.
 void append_row(const ColumnInfo& column, std::uint32_t row, std::span<const std::byte> left,
                 std::span<const std::byte> right, std::size_t limit, std::vector<Difference>& out) {
     for (const LeafInfo& leaf : column.leaves) {

@@ -1,5 +1,5 @@
-// More room for rows. A capacity is no part of what a state is: the rows and their versions move to the places they have
-// in a larger block, and everything that was known of them holds as before.
+// Growth of tables. The capacity is not part of the content of a state: rows and their versions move to their places
+// in a larger block, and all hashes and versions stay valid.
 #include "base/assert.h"
 #include "lockstone/state.h"
 #include "state/pages.h"
@@ -54,10 +54,10 @@ void State::grow(std::shared_ptr<const StateLayout> layout) {
     shared_layout = std::move(layout);
 }
 
-/// The rows stay where they are within the block.
+/// Moves the block to another address; the rows keep their offsets.
 void State::move_block() {
     const std::size_t size = shared_layout->size_bytes();
-    // A large block moves at one chance in 16, because its copy takes longer than a tick.
+    // A large block moves at one chance in 16 only, because its copy takes longer than a tick.
     constexpr std::size_t large = std::size_t{1} << 18;
     if (size > large && version_last % 16 != 0) return;
     detail::Block other(size);
@@ -95,7 +95,7 @@ void State::make_room(std::initializer_list<TableId> tables, std::uint32_t more)
     grow(shared_layout->with_capacities(capacities));
 }
 
-/// By table; each within the limit (asserted).
+/// `rows`: by table; each within the limit (asserted).
 void State::make_room_for(std::span<const std::uint32_t> rows) {
     if (moves_at_every_chance) move_block();
     std::vector<std::uint32_t> capacities;

@@ -12,8 +12,8 @@ namespace lockstone {
 
 namespace {
 
-/// H(page hashes ..., row count, seed). `pages` has room for one more value, which is as it was afterwards: hashing one
-/// stretch of bytes is several times faster than a stream of few.
+/// H(page hashes ..., row count, seed). `pages` has room for one more value; the function restores it after use.
+/// Hashing one range of bytes is several times faster than a stream of short ones.
 std::uint64_t hash_of_pages(std::span<std::uint64_t> pages, std::uint32_t rows, std::uint64_t seed) {
     if constexpr (std::endian::native == std::endian::little) {
         const std::uint64_t next = std::exchange(pages.back(), rows);
@@ -30,7 +30,7 @@ std::uint64_t hash_of_pages(std::span<std::uint64_t> pages, std::uint32_t rows, 
 
 } // namespace
 
-/// Hashes the pages whose hash is of another version, and with any the column.
+/// Hashes the pages whose hash belongs to another version, and the column if there is one.
 std::uint64_t State::column_hash(std::uint32_t column) const {
     if (hashes.of.columns[column] == versions.columns[column]) return hashes.column[column];
     const ColumnInfo& info = shared_layout->columns()[column];
@@ -48,8 +48,7 @@ std::uint64_t State::column_hash(std::uint32_t column) const {
     return hashes.column[column] = hash_of_pages(pages, row_count, info.name_hash);
 }
 
-/// One walk for hash() and hash_tree(), so that they cannot disagree. A null
-/// tree makes it allocate nothing.
+/// The common code of hash() and hash_tree(), so that they always agree. With a null tree it allocates nothing.
 std::uint64_t State::hash_state(HashTree* tree) const {
     if constexpr (checks_versions) {
         const Status status = verify_versions();

@@ -1,4 +1,4 @@
-// Ring images: what differs by version is copied, neighbouring pages in one go.
+// Ring images: copies pages whose versions differ, adjacent pages in one copy.
 #include "base/assert.h"
 #include "lockstone/state.h"
 #include "state/pages.h"
@@ -12,8 +12,7 @@ namespace {
 
 using Placement = StateLayout::Placement;
 
-/// Collects stretches of the block and copies those that touch each other at
-/// once.
+/// Collects ranges of the block, and copies adjacent ranges at once.
 class Run {
   public:
     void add(const std::byte* source, std::byte* target, std::size_t bytes) {
@@ -33,7 +32,7 @@ class Run {
     std::size_t size = 0;
 };
 
-/// The rows of a state or an image: where they stand, and their versions.
+/// The rows of a state or an image, and their versions.
 struct Source {
     const StateLayout& layout;
     const std::byte* block;
@@ -45,9 +44,9 @@ struct Target {
     detail::Versions& versions;
 };
 
-/// Copies all that differs between two blocks, counts apart. A last page that is filled in part is taken up to a whole
-/// cache line (what follows the live rows there is zero), so columns of a full table are one stretch. Beyond the page
-/// nothing is taken: the image may hold rows there of a time when there were more.
+/// Copies the pages that differ between two blocks, except the row counts. The copy of a partly filled last page
+/// extends to a whole cache line (the bytes after its live rows are zero), so the columns of a full table form one
+/// range. It ends there, as the image may still hold old rows after it.
 void copy_columns(std::span<const std::uint32_t> counts, const Source& from, const Target& to) {
     Run run;
     const std::span<const Placement> places = from.layout.placements(), to_places = to.layout.placements();
@@ -129,7 +128,7 @@ void State::restore(const Image& image) {
     const Status good = can_restore(image);
     LOCKSTONE_ASSERT(good.ok(), good.error().message);
     make_room_for(image.counts());
-    // Rows beyond those of the image are zeroed by the resize.
+    // resize() zeroes rows beyond those of the image.
     for (std::uint32_t table = 0; table < counts().size(); ++table) resize({table}, image.counts()[table]);
     if (image.owner == owner)
         copy_columns(counts(), {*image.layout, image.block.get(), image.versions},
@@ -142,8 +141,7 @@ void State::restore(const Image& image) {
     }
 }
 
-/// The versions of another state's image mean nothing here: its rows are
-/// written like any others.
+/// The versions of another state's image have no meaning in this state: its rows are written like any other rows.
 void State::restore_foreign(const Image& image) {
     const std::span<const Placement> places = image.layout->placements();
     for (std::uint32_t column = 0; column < places.size(); ++column) {

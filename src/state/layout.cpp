@@ -1,4 +1,4 @@
-// The manifest: the places of columns, and the schema hash.
+// The layout of a state: the places of columns, and the schema hash.
 #include "base/assert.h"
 #include "base/bytes.h"
 #include "base/hash.h"
@@ -13,14 +13,13 @@ namespace {
 
 constexpr std::size_t column_alignment = 64; // a cache line, and the widest vector load
 constexpr std::uint32_t page_bytes_target =
-    4096; // of the hash tree: a mismatch is narrowed down to a few dozen rows
+    4096; // of the hash tree: a difference is located to a few dozen rows
 
 constexpr std::uint64_t round_up(std::uint64_t size) {
     return (size + column_alignment - 1) / column_alignment * column_alignment;
 }
 
-/// The leaves tile the row: in order, without a gap, and of kinds that every
-/// host can read.
+/// Returns true if the leaves cover the row in order, without a gap, and have sizes that every host can read.
 bool describes(std::span<const LeafInfo> leaves, std::size_t row_size) {
     std::size_t end = 0;
     for (const LeafInfo& leaf : leaves) {
@@ -75,9 +74,10 @@ std::string_view name_of(Group group) {
 }
 
 std::uint32_t TableInfo::grown(std::uint32_t rows) const {
-    constexpr std::uint32_t least = 8; // few are worth no second thought
+    constexpr std::uint32_t least = 8; // avoids several growths of tiny tables
     if (rows <= capacity) return capacity;
-    // What is asked for is seldom the most there will be: a state that was just loaded would grow at its first tick.
+    // Adds some rows to the requested number: without them, a state that was just loaded would grow again in its
+    // first tick.
     const std::uint64_t some = std::uint64_t{rows} + rows / 8, more = std::uint64_t{capacity} + capacity / 4;
     return static_cast<std::uint32_t>(
         std::min<std::uint64_t>(rows_max, std::max<std::uint64_t>({some, more, least})));
@@ -135,7 +135,7 @@ StateLayout::with_capacities(std::span<const std::uint32_t> capacities) const {
     return other;
 }
 
-/// Offsets and sizes follow from the two lists.
+/// Computes the offsets and sizes from the lists of tables and columns.
 void StateLayout::place_columns() {
     const std::uint64_t header = table_infos.size() * sizeof(std::uint32_t);
     std::uint64_t block = round_up(header);

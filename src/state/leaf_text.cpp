@@ -31,7 +31,7 @@ std::int64_t sign_extended(std::uint64_t bits, int size_bytes) {
     return static_cast<std::int64_t>(bits << unused) >> unused;
 }
 
-/// The next decimal digit of a fraction in units of 2^-64; what is left of the fraction stays.
+/// Returns the next decimal digit of a fraction in units of 2^-64, and keeps the rest of the fraction.
 unsigned next_digit(std::uint64_t& fraction) {
     const std::uint64_t low = (fraction & 0xffffffffu) * 10;
     const std::uint64_t high = (fraction >> 32) * 10 + (low >> 32);
@@ -51,7 +51,7 @@ std::string decimal_text(std::int64_t raw, int fraction_bits) {
     int count = 0;
     for (; count < decimals && fraction != 0; ++count, scale *= 10)
         digits = digits * 10 + next_digit(fraction);
-    if (fraction >> 63 != 0) ++digits; // half or more of the last digit is left
+    if (fraction >> 63 != 0) ++digits; // half or more of the last digit remains
     if (digits == scale && count > 0) ++whole, digits = 0;
     while (count > 0 && digits % 10 == 0) digits /= 10, --count;
 

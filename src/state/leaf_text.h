@@ -1,4 +1,4 @@
-// The value of one field as text, found from its bytes and its LeafInfo with integers only.
+// The value of one field as text, computed from its bytes and its LeafInfo with integers only.
 #pragma once
 
 #include "lockstone/row.h"
@@ -8,7 +8,7 @@
 
 namespace lockstone {
 
-/// raw / 2^fraction_bits: exact, or rounded to twelve decimals where it needs more. "-1.25", "0.333333333256".
+/// raw / 2^fraction_bits: exact, or rounded to twelve decimals if it has more. "-1.25", "0.333333333256".
 std::string decimal_text(std::int64_t raw, int fraction_bits);
 
 /// The decimal value of a leaf of a row: "-1.25".

@@ -1,5 +1,4 @@
-// Pages of a column: the unit of the hash tree, of what edits mark and of what
-// images copy.
+// Pages of a column: the unit of the hash tree, of the marks of edits and of the copies of images.
 #pragma once
 
 #include "lockstone/state.h"
@@ -8,7 +7,7 @@
 
 namespace lockstone {
 
-/// Without NDEBUG every hash and image first compares the pages with their versions.
+/// Without NDEBUG, every hash and image first checks the pages against their versions.
 #ifdef NDEBUG
 inline constexpr bool checks_versions = false;
 #else
@@ -18,7 +17,7 @@ inline constexpr bool checks_versions = true;
 /// Columns begin on a cache line, in the block and in images.
 constexpr std::size_t whole_lines(std::size_t size) { return (size + 63) / 64 * 64; }
 
-/// How many pages hold `rows` rows.
+/// The number of pages that hold `rows` rows.
 inline std::size_t pages_of(const StateLayout::Placement& column, std::uint32_t rows) {
     return rows / column.rows_per_page + (rows % column.rows_per_page != 0 ? 1 : 0);
 }
@@ -27,8 +26,8 @@ inline std::size_t page_bytes(const StateLayout::Placement& column) {
     return std::size_t{column.rows_per_page} * column.row_size;
 }
 
-/// Visits the live pages of a column whose versions differ, in order, and takes over the versions. A chunk or a column
-/// of the same version is passed over as a whole. The column may stand at another place in each layout.
+/// Visits the live pages of a column whose versions differ, in order, and copies the versions. Skips a chunk or a
+/// column with equal versions as a whole. The column may have another place in each of the two layouts.
 template <class Visit>
 void take_versions(const StateLayout::Placement& from_place, const StateLayout::Placement& to_place,
                    std::size_t column, std::uint32_t rows, const detail::Versions& from, detail::Versions& to,
@@ -52,8 +51,8 @@ void take_versions(const StateLayout::Placement& from_place, const StateLayout::
     }
 }
 
-/// A value for each page, or each chunk of pages, of one layout, as one for each of a layout of the same schema: those of
-/// pages that only the latter has are 0.
+/// Converts a list of values for each page, or each chunk of pages, from one layout to another one of the same
+/// schema. Pages that only the new layout has get 0.
 std::vector<std::uint64_t> moved(const std::vector<std::uint64_t>& values, const StateLayout& from,
                                  const StateLayout& to, std::size_t pages_per_value);
 void move_versions(detail::Versions& versions, const StateLayout& from, const StateLayout& to);

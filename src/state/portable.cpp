@@ -1,4 +1,4 @@
-// Portable images. The format is specified in README.md beside this file.
+// Portable images. README.md beside this file specifies the format.
 #include "base/bytes.h"
 #include "lockstone/state.h"
 #include "state/canonical.h"
@@ -11,13 +11,13 @@ namespace {
 using base::hex;
 using base::join;
 
-/// What a valid image holds; the spans point into it.
+/// The contents of a valid image; the spans point into it.
 struct Contents {
     std::vector<std::uint32_t> counts;
     std::vector<std::span<const std::byte>> rows; ///< by column, canonical
 };
 
-/// Records the error when two values that should agree do not.
+/// Records an error if two values differ.
 void expect_equal(base::ByteReader& in, std::size_t at, std::string_view what, std::uint64_t found,
                   std::uint64_t wanted) {
     if (found != wanted)
@@ -58,7 +58,7 @@ std::span<const std::byte> read_column(base::ByteReader& in, const ColumnInfo& c
                     join("rows of column '", name, "'"));
 }
 
-/// Reads and checks the whole image before anything is written anywhere.
+/// Reads and checks the whole image before anything is written.
 Result<Contents> parse(std::span<const std::byte> image, const StateLayout& layout) {
     base::ByteReader in(image, "state image");
     check_envelope(image_envelope, in, image);
@@ -79,7 +79,7 @@ Result<Contents> parse(std::span<const std::byte> image, const StateLayout& layo
     for (const ColumnInfo& column : layout.columns())
         if (body.ok()) contents.rows.push_back(read_column(body, column, contents.counts));
     if (body.ok()) body.expect_end();
-    // Last, since a name that differs says more than two hashes that do.
+    // Last, as a differing name says more than two differing hashes.
     if (body.ok() && schema != layout.schema_hash())
         body.fail_at(schema_at,
                      join("schema hash is ", hex(schema), " in the image, ", hex(layout.schema_hash()),

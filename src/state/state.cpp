@@ -1,4 +1,4 @@
-// The block of a state. Edits and resizes mark the pages that they write.
+// The memory block of a state. Edits and resizes mark the pages that they write.
 #include "lockstone/state.h"
 
 #include "base/assert.h"
@@ -50,8 +50,7 @@ State::State(std::shared_ptr<const StateLayout> layout)
     std::ranges::fill(versions.columns, ++version_last);
 }
 
-/// The versions keep their meaning within the copy, and so do the hashes;
-/// another owner gives them out from now on.
+/// The versions and hashes stay valid in the copy. The copy has its own owner, which gives out its new versions.
 State::State(const State& other)
     : shared_layout(other.shared_layout), block(shared_layout->size_bytes()), owner(new_owner()),
       versions(other.versions), version_last(other.version_last),
@@ -61,7 +60,7 @@ State::State(const State& other)
 
 State& State::operator=(const State& other) {
     if (this == &other) return *this;
-    if (shared_layout == nullptr) return *this = State(other); // assigned to after it was moved from
+    if (shared_layout == nullptr) return *this = State(other); // `this` was moved from
     LOCKSTONE_ASSERT(shared_layout->schema_hash() == other.shared_layout->schema_hash(),
                      "states of different schemas");
     make_room_for(other.counts());
@@ -78,8 +77,7 @@ State& State::operator=(const State& other) {
     return *this;
 }
 
-/// Every live page and every column may hold anything: none has a version that
-/// was given out before.
+/// Gives every live page and every column a version that was never given out, as they may hold anything.
 void State::forget_all() {
     ++version_last;
     const std::span<const StateLayout::Placement> places = shared_layout->placements();
@@ -133,11 +131,10 @@ void State::resize(TableId table, std::uint32_t rows) {
     for (std::uint32_t column = 0; column < places.size(); ++column) {
         const StateLayout::Placement& place = places[column];
         if (place.table != table.index) continue;
-        // A page that was or is filled in part has other live rows now, even where
-        // its bytes stay.
+        // The set of live rows of a page that was or is partly filled changes, even if its bytes do not.
         const std::size_t now = pages_of(place, rows), before = pages_of(place, old);
         mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));
-        if (rows > old) continue; // what is not live is zero already
+        if (rows > old) continue; // rows that are not live are zero already
         std::memset(block.get() + place.offset + std::size_t{rows} * place.row_size, 0,
                     std::size_t{old - rows} * place.row_size);
         std::fill_n(versions.pages.data() + place.first_page + now, before - now, 0);

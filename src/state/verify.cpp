@@ -1,5 +1,4 @@
-// Whether the bookkeeping of versions is true: a write that went past
-// State::edit shows here.
+// Checks the versions of pages: finds writes that did not go through State::edit.
 #include "base/text.h"
 #include "lockstone/state.h"
 #include "state/canonical.h"

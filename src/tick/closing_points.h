@@ -1,4 +1,4 @@
-// Leaves out contact points that are too far apart to touch within the tick.
+// Drops contact points that are too far apart to touch within the tick.
 #pragma once
 
 #include "collide/narrow_phase.h"
@@ -6,9 +6,9 @@
 
 namespace lockstone::sim {
 
-/// How the body of the narrow phase's B moves against that of A, world axes.
+/// The motion of the body of the narrow phase's B relative to that of A, world axes.
 struct PairMotion {
-    SpeedVec3 at_b;    ///< where B's origin is [m/s]
+    SpeedVec3 at_b;    ///< at B's origin [m/s]
     SpeedVec3 turning; ///< [rad/s]
 
     PairMotion(const Velocity& a, const Velocity& b, LengthVec3 from_a, LengthVec3 from_b)
@@ -16,7 +16,7 @@ struct PairMotion {
           turning(b.angular - a.angular) {}
 };
 
-/// As far ahead of touching as every point is kept.
+/// Points within this separation are always kept.
 inline constexpr Separation kept_always = to<Separation>(margin_least);
 
 inline bool has_far_points(const collide::Manifold& manifold) {
@@ -35,10 +35,12 @@ template <class Keeps> void keep_points(collide::Manifold& manifold, const Keeps
     while (manifold.count > kept) manifold.points[--manifold.count] = {};
 }
 
-/// Keeps the points of a manifold that are within `margin_least`, or farther by no more than they close within a tick, as the
-/// bodies move when it begins: n . (v + w x r) is n . v + (n x w) . r. A pair reaches as far as it moves in any direction, so
-/// of what slides along or parts most points are of no use. The second order of a turn, w^2 r t^2 / 2, leads towards the body's own
-/// centre, so it parts what is convex; weight adds 1.4 mm in a sixtieth of a second.
+/// Keeps the points of a manifold that are within `margin_least`, or farther by no more than they close within a tick
+/// with the velocities at its begin: n . (v + w x r) is n . v + (n x w) . r. (`level` and `tilt` in the code are the
+/// two terms n . v and n x w.) The margin of a pair covers motion in any direction, so most points of shapes that
+/// slide along each other or move apart are of no use.
+/// The second-order term of a rotation, w^2 r t^2 / 2, points towards the body's own centre, so it moves convex
+/// shapes apart; gravity adds 1.4 mm in a sixtieth of a second.
 inline void keep_closing_points(const PairMotion& motion, const Rotation& axes_a, Unit half_tick,
                                 collide::Manifold& manifold) {
     const UnitVec3 normal = lockstone::mul<Unit>(axes_a, manifold.normal);
@@ -52,7 +54,8 @@ inline void keep_closing_points(const PairMotion& motion, const Rotation& axes_a
     });
 }
 
-/// Likewise of all manifolds of a pair. What parts two convex shapes of which no point is left is the hint for the next tick.
+/// Does this for all manifolds of a pair. If two convex shapes keep no point, their normal becomes the hint for the
+/// next tick.
 inline void keep_closing_points(const PairMotion& motion, const Rotation& axes_a, Unit half_tick,
                                 bool are_convex, collide::Manifolds& manifolds) {
     std::uint32_t kept = 0;
@@ -66,7 +69,7 @@ inline void keep_closing_points(const PairMotion& motion, const Rotation& axes_a
     manifolds.count = kept;
 }
 
-/// Keeps the points of two convex shapes that are at most `separation` apart, with the same hint.
+/// Keeps the points of two convex shapes whose separation is at most `separation`. Sets the same hint.
 inline void keep_deep_points(collide::Manifolds& manifolds, Separation separation) {
     keep_points(manifolds.items[0],
                 [&](const collide::ManifoldPoint& point) { return point.separation <= separation; });

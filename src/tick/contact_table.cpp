@@ -1,5 +1,5 @@
-// The contact table of this tick out of that of the last one: rows that were kept move to their new places, new ones are
-// written between them. What stays where it was is not touched.
+// Builds the contact table of this tick from the table of the last tick. Kept rows move to their new places, and new
+// rows are written between them. Rows that keep their place are not written.
 #include "base/parallel.h"
 #include "tick/contacts.h"
 
@@ -10,7 +10,8 @@ namespace lockstone::sim {
 
 namespace {
 
-/// Takes those pairs out of a chunk whose rows do not fit into `room`: they end to touch. Returns how many rows that were.
+/// Removes from a chunk the pairs whose rows do not fit into `room` rows; such pairs stop touching. Returns the
+/// number of rows removed.
 std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
     std::uint32_t dropped = 0, rows = 0, made = 0, made_kept = 0, contacts = 0;
     std::size_t contact = 0;
@@ -35,7 +36,8 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
     return dropped;
 }
 
-/// Where each chunk's rows and contacts go, in pair order. What the table has no room for is dropped.
+/// Computes where the rows, contacts and results of each chunk go, in pair order. Drops rows for which the table has
+/// no room. Returns the number of rows.
 std::uint32_t place_chunks(Model& w, bool is_cut, std::span<NearChunk> chunks, ContactScratch& s,
                            FoundContacts& out) {
     const std::uint32_t room =
@@ -62,7 +64,7 @@ std::uint32_t place_chunks(Model& w, bool is_cut, std::span<NearChunk> chunks, C
     return rows;
 }
 
-/// Which kept rows change places; true when every row of the table has the key that it had.
+/// Lists the kept rows that change places. Returns true if every row of the table keeps its key.
 bool find_moves(const ContactList& table, std::span<const ContactResult> results, std::uint32_t rows,
                 ContactScratch& s) {
     bool same_keys = rows == table.keys.size();
@@ -84,8 +86,9 @@ bool find_moves(const ContactList& table, std::span<const ContactResult> results
     return same_keys;
 }
 
-/// In place. Their order does not change, so no row is overwritten before it has moved when those that move down go
-/// first, from the first on, and then those that move up, from the last on.
+/// Moves rows in place. The order of rows does not change. Moves towards lower indices run first, from the first one
+/// on; then moves towards higher indices run, from the last one back. So no move overwrites a row that has not moved
+/// yet.
 template <class Row> void move_rows(std::span<Row> rows, std::span<const ContactScratch::RowMove> moves) {
     const auto move = [&](const ContactScratch::RowMove& m) {
         std::memmove(rows.data() + m.to, rows.data() + m.from, m.count * sizeof(Row));
@@ -105,7 +108,7 @@ void write_rows(std::span<const NearChunk> chunks, std::span<const ContactResult
     memories.resize(std::max<std::size_t>(rows, memories.size()));
     move_rows(std::span(memories), s.row_moves);
     auto chunk = chunks.begin();
-    std::size_t made = 0; // rows of the chunk that are written
+    std::size_t made = 0; // rows of this chunk that are already written
     for (const ContactResult& result : results) {
         if (result.is_kept || result.row_count == 0) continue;
         while (made == chunk->memories.size()) ++chunk, made = 0;
@@ -122,7 +125,7 @@ void write_rows(std::span<const NearChunk> chunks, std::span<const ContactResult
         for (std::uint32_t i = 0; i < result.row_count; ++i) keys[result.first_row + i] = result.key;
 }
 
-/// Results and contacts of a chunk to their places among all.
+/// Copies the results and contacts of a chunk to their places in `out`.
 void copy_chunk(const NearChunk& chunk, FoundContacts& out) {
     ContactResult* result_at = out.results.data() + chunk.first_result;
     for (const ContactResult& result : chunk.results) {

@@ -1,4 +1,4 @@
-// Manifolds of the pairs that are near, made anew or used again, and the contacts that the solver takes.
+// Manifolds of the near pairs, computed or reused from the last tick, and the contacts for the solver.
 #include "tick/contacts.h"
 
 #include "base/parallel.h"
@@ -18,13 +18,13 @@ namespace {
 
 using collide::Long3, collide::raw;
 
-constexpr Separation touching_gap = decimal<Separation>("0.005"); ///< [m]: nearer counts as touching
+constexpr Separation touching_gap = decimal<Separation>("0.005"); ///< [m]: up to this, two shapes touch
 
-/// The columns that every pair looks at, found once for many.
+/// The columns that the work on every pair reads, looked up once.
 struct View {
     const Model& w;
     const PlacedShapes& placed;
-    const CharacterScratch* movers; ///< null: no contacts are left to characters
+    const CharacterScratch* movers; ///< null: characters handle no contacts themselves
     const solve::PairKernel& kernel;
     const base::Paths& paths;
     std::span<const ShapeTraits> traits;
@@ -45,7 +45,7 @@ struct View {
     BodyId body(std::uint32_t row) const { return w.state.rows(w.m.body_info)[row].id; }
 };
 
-/// Two shapes that are near, in the order the narrow phase wants them.
+/// Two near shapes, in the order that the narrow phase requires.
 struct CandidatePair {
     const ShapeTraits *a, *b;
     std::uint32_t body_a, body_b;
@@ -54,8 +54,9 @@ struct CandidatePair {
     bool flipped, sensor;
 };
 
-/// Whether shape b is the narrow phase's A: the greater kind is, of equal kinds the larger. Of two convex shapes one that
-/// is larger than a lever can be comes first whatever its kind, as contact points are told from B's origin.
+/// Returns true if shape b becomes the narrow phase's A. A is the shape of the greater kind, or of equal kinds the
+/// larger shape. If one of two convex shapes is larger than a lever can be, the larger one becomes A whatever its
+/// kind, since contact points are stored relative to B's origin.
 bool goes_after(const PlacedShapes::Shape& a, const PlacedShapes::Shape& b) {
     const ShapeKind ka = a.filter.kind, kb = b.filter.kind;
     const bool are_convex = ka <= ShapeKind::hull && kb <= ShapeKind::hull;
@@ -72,7 +73,8 @@ void find_candidate(const View& v, const NearPair& near, CandidatePair& c) {
     c.a = &v.traits[c.at_a->filter.traits], c.b = &v.traits[c.at_b->filter.traits];
     c.body_a = v.body_slots[c.at_a->filter.body].row, c.body_b = v.body_slots[c.at_b->filter.body].row;
     c.margin = near.margin;
-    // Only a few shapes are sensors or in a group; of others this asks for no row that is not at hand.
+    // Few shapes are sensors or in a group. For the others, `is_plain` saves the read of the traits rows, which are
+    // not in the cache.
     c.sensor = !(a.filter.is_plain && b.filter.is_plain) && (c.a->sensor | c.b->sensor) != 0;
 }
 
@@ -87,11 +89,13 @@ bool has_corners(const ShapeTraits& shape) {
     return (kind == ShapeKind::box || kind == ShapeKind::hull) && shape.geometry.radius == Length{};
 }
 
-/// From one place to another [m], number by number: a copy of all three would wait for them.
+/// The vector between two positions [m]. Written component by component: a copy of all three components would stall
+/// on the stores that wrote them.
 void set_way(const Vec3& from, const Vec3& to, std::int64_t (&way)[3]) {
     for (int i = 0; i < 3; ++i) way[i] = (to[i] - from[i]).raw;
 }
-/// The same as lengths. Most shapes stand in the middle of their body.
+/// The vector between two positions as lengths. Zero for most shapes, as their origin is the centre of mass of their
+/// body.
 void set_base(const Vec3& from, const Vec3& to, std::int64_t (&base)[3]) {
     for (std::int64_t& x : base) x = 0;
     if (from == to) return;
@@ -100,13 +104,14 @@ void set_base(const Vec3& from, const Vec3& to, std::int64_t (&base)[3]) {
 
 collide::PlacedSolid placed(const PlacedShapes::Shape& s) { return {s.solid, s.axes, s.pose.position}; }
 
-/// Whether what parted two shapes when they were last looked at still does: then they have no contact points.
+/// Returns true if the direction that separated two shapes when they were last compared still does. Then they have no
+/// contact points.
 bool are_still_parted(const CandidatePair& c, const NearPair& near) {
     if (near.old_count != 0 || near.apart == UnitVec3{}) return false;
     return collide::are_parted(placed(*c.at_a), placed(*c.at_b), near.apart, near.margin);
 }
 
-/// What all manifolds of a pair have in common. `rows`: those of the last tick.
+/// Fills in the values that all manifolds of a pair share. `rows`: the pair's rows of the last tick.
 void fill_pair(const View& v, const CandidatePair& c, std::span<const ContactMemory> rows, PairLane& lane) {
     constexpr auto mask = [](bool set) { return set ? -1 : 0; };
     const Transform &a = c.at_a->pose, &b = c.at_b->pose;
@@ -123,7 +128,7 @@ void fill_pair(const View& v, const CandidatePair& c, std::span<const ContactMem
     }
     lane.rotation_a = &a.rotation, lane.rotation_b = &b.rotation, lane.axes_a = &c.at_a->axes;
     lane.velocity_a = &v.velocities[c.body_a], lane.velocity_b = &v.velocities[c.body_b];
-    // What reaches beyond 128 m is made anew in every tick.
+    // A shape that reaches beyond 128 m gets new manifolds in every tick.
     const bool fits = c.at_b->reach.raw <= Length::max().raw;
     lane.reach = fits ? static_cast<std::int32_t>(c.at_b->reach.raw) : 0;
     lane.limit = fits ? solve::recycling_limit(rows, c.at_b->reach, thinnest).raw : -1;
@@ -140,7 +145,7 @@ void add_rows(const PairLane& pair, std::span<const ContactMemory> rows, PairWin
     for (const ContactMemory& row : rows) window.rows[window.count++] = {&pair, &row};
 }
 
-/// Fills in what the rows from `first` on give.
+/// Computes places, contacts and validity flags of the window's rows from `first` on.
 void find_rows(const View& v, solve::PairWork work, PairWindow& window, std::uint32_t first) {
     if (window.count == first) return;
     v.kernel.find({work, window.rows.data() + first, window.count - first, v.half_tick,
@@ -155,21 +160,22 @@ CoordinateVec3 position_of(const PairPlace& place) {
             Coordinate::from_raw(place.position[2])};
 }
 
-/// What is known of a pair from its last manifolds, and the direction that parted it.
+/// Hints for the narrow phase: the last manifolds of a pair, and the direction that separated it.
 collide::PairHints hints_of(std::span<const ContactMemory> old, UnitVec3 apart) {
     if (old.empty()) return {apart, {}, 0};
     const bool on_face = (old[0].flags & solve::contact_on_face) != 0;
     return {apart, old[0].normal, on_face ? 0 : old[0].points[0].feature};
 }
 
-/// How the bodies of a pair move against each other where a shape is.
+/// The relative motion of a pair's bodies at the origin of a shape.
 PairMotion motion_at(const View& v, const CandidatePair& c, Vec3 origin) {
     return {v.velocities[c.body_a], v.velocities[c.body_b],
             lockstone::to<Length>(origin - v.poses[c.body_a].position),
             lockstone::to<Length>(origin - v.poses[c.body_b].position)};
 }
 
-/// Two convex shapes that pass each other keep only points that lie deeper than `graze`. The test runs in the frame of the body that turns more.
+/// Two convex shapes that pass each other keep only points deeper than `graze`. The test runs in the frame of the
+/// body that turns more.
 void let_pass(const View& v, const CandidatePair& c, collide::Manifolds& manifolds) {
     const Length rim_a = rim_of(*c.at_a), rim_b = rim_of(*c.at_b);
     const bool is_b = rim_b <= rim_a;
@@ -180,7 +186,7 @@ void let_pass(const View& v, const CandidatePair& c, collide::Manifolds& manifol
         keep_deep_points(manifolds, to<Separation>(-graze));
 }
 
-/// Points that cannot touch within `half_time` twice.
+/// Drops points that cannot touch within twice `half_time`.
 void leave_out_far_points(const View& v, const CandidatePair& c, Unit half_time,
                           collide::Manifolds& manifolds) {
     const std::span<const collide::Manifold> made(manifolds.items, manifolds.count);
@@ -191,9 +197,10 @@ void leave_out_far_points(const View& v, const CandidatePair& c, Unit half_time,
     if (are_convex && !c.sensor && manifolds.count != 0) let_pass(v, c, manifolds);
 }
 
-/// The distance at which the narrow phase still makes points. The margin of a thin shape ends at its inner radius, as the sweep stops what moves
-/// faster. But an impact at one end of a plate turns the plate, and the other end then comes down within the same tick, at up to twice its speed.
-/// The contact needs those points too: without them the plate sinks into the floor.
+/// The distance within which the narrow phase makes points. The margin of a thin shape ends at its inner radius,
+/// because the sweep stops anything that moves faster. But an impact at one end of a plate turns the plate, and the
+/// other end then comes down within the same tick, at up to twice its speed. The contact needs those points too:
+/// without them the plate sinks into the floor.
 Length point_margin(const View& v, const CandidatePair& c) {
     if (c.margin == margin_least || c.sensor || !(is_thin(*c.at_a) || is_thin(*c.at_b))) return c.margin;
     const Velocity &a = v.velocities[c.body_a], &b = v.velocities[c.body_b];
@@ -209,7 +216,8 @@ Length point_margin(const View& v, const CandidatePair& c) {
     return max(c.margin, to<Length>(to<Real>(margin_least) + min(moves, extent) * Real(2)));
 }
 
-/// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one. `old`: the last ones.
+/// Computes the manifolds of a pair. `apart` is a hint, which the function updates for the next tick. `old`: the
+/// pair's rows of the last tick.
 void make_manifolds(const View& v, const CandidatePair& c, const PairPlace& place, UnitVec3& apart,
                     std::span<const ContactMemory> old, NarrowWorker& worker) {
     collide::Manifolds& out = worker.manifolds;
@@ -218,8 +226,9 @@ void make_manifolds(const View& v, const CandidatePair& c, const PairPlace& plac
         collide::collide(c.at_a->solid, c.at_b->solid, pose, margin, hints_of(old, apart), worker.narrow,
                          out);
     };
-    // The pair's own margin decides whether there is a contact: an axis that parts the shapes by more is a hint, which must change no result.
-    // A point of the wider margin may be nearer than the shapes are, along the normal of its manifold.
+    // The pair's own margin decides whether there is a contact, because an axis that separates the shapes by more
+    // than the margin is only a hint, and hints must not change results. A point of the wider margin may be nearer,
+    // along the normal of its manifold, than the two shapes are.
     collide_within(c.margin);
     const Length farther = out.count == 0 ? c.margin : point_margin(v, c);
     const bool looks_farther = farther > c.margin;
@@ -233,7 +242,7 @@ void fill_memory(const CandidatePair& c, const PairPlace& place, const collide::
                  std::uint32_t flags, ContactMemory& memory) {
     memory.flags = flags | (manifold.on_face != 0 ? solve::contact_on_face : 0u);
     memory.count = manifold.count;
-    // Only shapes of many pieces say which of them it is.
+    // Only shapes of several pieces have a piece index.
     if (c.a->geometry.kind >= ShapeKind::compound && c.a->geometry.kind <= ShapeKind::mesh)
         memory.piece_a = manifold.piece_a;
     if (c.b->geometry.kind == ShapeKind::compound) memory.piece_b = manifold.piece_b;
@@ -249,7 +258,8 @@ void fill_memory(const CandidatePair& c, const PairPlace& place, const collide::
     memory.margin = c.margin;
 }
 
-/// Whether the contact goes through a one-way shape: it did when they met, or it comes from the wrong side now.
+/// Returns true if the contact passes through a one-way shape: it already did in the last tick, or the other shape
+/// now comes from the side that lets it through.
 bool passes(const CandidatePair& c, std::span<const ContactMemory> old, UnitVec3 normal) {
     for (const ContactMemory& m : old)
         if (m.count != 0) return (m.flags & solve::contact_passing) != 0;
@@ -278,7 +288,7 @@ Real mixed(Mix rule_a, Mix rule_b, Real a, Real b, NarrowWorker::Mean& mean) {
     return max(a, b);
 }
 
-/// What the surfaces of b and a do against each other besides the bodies' motion, world axes.
+/// The surface velocity of b relative to a, without the motion of the bodies; world axes.
 SpeedVec3 surface_velocity(const CandidatePair& c, const Touch& a, const Touch& b) {
     if (a.velocity == Vec3{} && b.velocity == Vec3{}) return {};
     const auto of = [](const Touch& touch, const PlacedShapes::Shape& at) {
@@ -295,7 +305,7 @@ Speed approach_speed(const View& v, const CandidatePair& c, UnitVec3 normal, con
     return -dot<Speed>(at_b - at_a, normal);
 }
 
-/// Keeps the deepest point of a pair that did not touch until now.
+/// Stores the deepest point of a pair that did not touch in the last tick.
 void store_deepest(const View& v, const CandidatePair& c, const solve::ContactPointMemory& memory,
                    const PairContact& contact, const solve::ContactPoint& point, ContactResult& result) {
     result.point = c.at_b->pose.position + to<Real>(lockstone::mul<Length>(c.at_a->axes, memory.position));
@@ -303,11 +313,11 @@ void store_deepest(const View& v, const CandidatePair& c, const solve::ContactPo
     result.approach = approach_speed(v, c, contact.normal, point);
 }
 
-/// One manifold as the solver wants it.
+/// Converts one manifold to a contact of the solver.
 void add_contact(const View& v, const CandidatePair& c, std::uint32_t row, const ContactMemory& memory,
                  const PairContact& found, NarrowWorker& worker, NearChunk& chunk) {
     solve::Contact& contact = chunk.contacts.emplace_back();
-    // What rests is the solver's still body.
+    // A body that is not awake maps to the solver's still body.
     contact.body_a = std::min(c.body_a, v.awake);
     contact.body_b = std::min(c.body_b, v.awake);
     contact.memory = row;
@@ -328,7 +338,7 @@ void add_contact(const View& v, const CandidatePair& c, std::uint32_t row, const
     chunk.heads.push_back(solve::head_of(contact));
 }
 
-/// New rows of a pair, at the end of the chunk's; none when there are no points.
+/// Appends new rows of a pair to the chunk's rows. Returns their number, 0 if there are no points.
 std::uint32_t make_rows(const View& v, const CandidatePair& c, const PairPlace& place,
                         std::span<const ContactMemory> old, UnitVec3& apart, NarrowWorker& worker,
                         NearChunk& chunk) {
@@ -349,7 +359,7 @@ std::uint32_t make_rows(const View& v, const CandidatePair& c, const PairPlace& 
     return worker.manifolds.count;
 }
 
-/// The contacts of a pair's rows, and how near the two are.
+/// Makes the contacts of a pair's rows, and finds its deepest point.
 void use_rows(const View& v, const CandidatePair& c, std::span<const ContactMemory> rows,
               const PairContact* found, NarrowWorker& worker, NearChunk& chunk, ContactResult& result) {
     const bool passing = (rows[0].flags & solve::contact_passing) != 0;
@@ -375,14 +385,14 @@ struct WindowPair {
     NearPair* near;
     CandidatePair shapes;
     std::span<const ContactMemory> old; ///< its rows of the last tick
-    std::uint32_t row;                  ///< of the window: first of those that are used
-    std::uint32_t fresh;                ///< of the chunk: first of its new ones
-    std::uint32_t row_count;            ///< of those that are used
-    bool is_kept;                       ///< they are those of the last tick
+    std::uint32_t row;                  ///< first of the rows in use, in the window
+    std::uint32_t fresh;                ///< first of its new rows, in the chunk
+    std::uint32_t row_count;            ///< number of rows in use
+    bool is_kept;                       ///< the rows in use are those of the last tick
     bool was_touching;                  ///< when the last tick ended
 };
 
-/// The rows of the last tick while the shapes stand to each other as they did, else new ones.
+/// Keeps the rows of the last tick if the kernel found them valid for the current relative pose, else makes new rows.
 void choose_rows(const View& v, NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
     const CandidatePair& c = pair.shapes;
     const bool had = !pair.old.empty();
@@ -395,7 +405,7 @@ void choose_rows(const View& v, NarrowWorker& worker, NearChunk& chunk, WindowPa
                                               pair.near->apart, worker, chunk);
 }
 
-/// Where the shapes of all pairs are to each other, and which rows of the last tick serve.
+/// Computes the relative poses of all pairs, and which rows of the last tick are still valid.
 void place_pairs(const View& v, std::span<WindowPair> pairs, PairWindow& window) {
     for (std::size_t i = 0; i < pairs.size(); ++i)
         fill_pair(v, pairs[i].shapes, pairs[i].old, window.pairs[i]);
@@ -415,7 +425,8 @@ void place_pairs(const View& v, std::span<WindowPair> pairs, PairWindow& window)
     find_rows(v, solve::PairWork::place, window, without);
 }
 
-/// The rows and contacts of some pairs, at the end of the chunk's. Writes to the chunk, the worker and the pairs' hints alone.
+/// Appends the rows and contacts of some pairs to the chunk. Writes only to the chunk, the worker and the hints of
+/// the pairs.
 /// `next_row` counts the rows of the chunk.
 void collide_window(const View& v, std::span<WindowPair> pairs, NarrowWorker& worker, NearChunk& chunk,
                     std::uint32_t& next_row) {
@@ -452,7 +463,8 @@ void collide_window(const View& v, std::span<WindowPair> pairs, NarrowWorker& wo
     }
 }
 
-/// The pairs [first, last) of `near`, window by window; those that are still parted are left out.
+/// Handles the pairs [first, last) of `near`, one window after the other. Skips pairs that the direction of the last
+/// tick still separates.
 void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::span<NearPair> near,
                    NarrowWorker& worker, NearChunk& chunk) {
     chunk.memories.clear(), chunk.results.clear(), chunk.contacts.clear(), chunk.heads.clear();
@@ -502,7 +514,7 @@ bool has_contact_points(const Model& w, const PlacedShapes& placed, const NearPa
 void collide(Model& w, const PlacedShapes& placed, const CharacterScratch& movers, NearPairs& near,
              ContactList& table, ContactScratch& s, FoundContacts& out, Tasks* tasks) {
     const std::uint32_t pairs = static_cast<std::uint32_t>(near.list.size());
-    // All of them where one worker does the work, so nothing has to be put together.
+    // One worker gets a single chunk of all pairs, so no chunks have to be joined.
     constexpr std::uint32_t pairs_per_chunk = 16;
     const std::uint32_t chunk_size = tasks != nullptr ? pairs_per_chunk : std::max(pairs, 1u),
                         chunk_count = (pairs + chunk_size - 1) / chunk_size;

@@ -1,8 +1,9 @@
-// Bullets that enter and leave a sensor within one tick.
+// Detects bullets that enter and leave a sensor within one tick.
 //
-// The narrow phase sees poses at the start of a tick only, so it reports no passage that is over before the next tick. A bullet is a body
-// that a game wants no passage of to be lost, so its shapes are swept against the sensors near its way, by the poses that the tick ended
-// with: a bullet that a wall stopped does not enter a sensor behind the wall.
+// The narrow phase compares poses at the start of a tick only, so it reports no passage that is over before the next
+// tick. Games mark a body as a bullet so that no passage of it is lost. So the shapes of bullets are swept against
+// the sensors near their path, with the poses at the end of the tick: a bullet that a wall stopped does not enter a
+// sensor behind the wall.
 #include "collide/query/cast_line.h"
 #include "scene/surface.h"
 #include "tick/sweeper.h"
@@ -10,9 +11,9 @@
 namespace lockstone::sim {
 namespace {
 
-/// A sensor and a shape of a bullet, or a shape and a sensor of a bullet.
+/// A pair of a sensor and a shape; one of the two belongs to a bullet.
 struct Crossing {
-    const ShapeRow &other, &shape; ///< the shape is the bullet's
+    const ShapeRow &other, &shape; ///< `shape` belongs to the bullet
     std::uint32_t other_row, row;  ///< of their bodies
     Sweep theirs, way;
 };
@@ -47,7 +48,7 @@ std::optional<Unit> entry_of(const Sweeper& s, const Crossing& c, collide::Narro
     const Unit entry = collide::time_of_impact(a, c.theirs, b, c.way, Length{}, scratch);
     if (entry == Unit{} || entry == unit_one) return std::nullopt;
     const Unit exit = collide::time_of_impact(a, reversed(c.theirs), b, reversed(c.way), Length{}, scratch);
-    if (exit == Unit{}) return std::nullopt; // the next tick reports that it entered
+    if (exit == Unit{}) return std::nullopt; // the next tick reports the entry
     return entry;
 }
 
@@ -85,7 +86,7 @@ Event entered(const Sweeper& s, const Crossing& c, Unit entry, collide::NarrowSc
     return e;
 }
 
-/// The end of what began in the same tick. Like every end event it has no point and no parts.
+/// The end event of a passage that began in the same tick. Like every end event it has no point and no parts.
 Event left(const Event& begin) {
     Event e{};
     e.kind = EventKind::sensor_end;
@@ -95,7 +96,7 @@ Event left(const Event& begin) {
     return e;
 }
 
-/// Calls visit(shape) for the shapes of a body, sensors too.
+/// Calls visit(shape) for each shape of a body, sensors included.
 template <class Visit> void for_each_shape_and_sensor(const Sweeper& s, std::uint32_t row, Visit&& visit) {
     for (std::uint32_t slot = s.info[row].first_shape; slot != 0;) {
         const ShapeRow& shape = s.shapes[s.slots[slot - 1].row];
@@ -104,7 +105,7 @@ template <class Visit> void for_each_shape_and_sensor(const Sweeper& s, std::uin
     }
 }
 
-/// The most that a point of any awake body moves in the tick, sensors included [m].
+/// The greatest motion of any point of an awake body in the tick, sensors included [m].
 Real motion_of_all(const Sweeper& s, std::uint32_t rows) {
     Real most{};
     for (std::uint32_t row = 0; row < rows; ++row) {
@@ -117,7 +118,8 @@ Real motion_of_all(const Sweeper& s, std::uint32_t rows) {
     return most;
 }
 
-/// Calls visit(crossing) for each pair of a sensor and another shape whose relative motion is long enough for a passage.
+/// Calls visit(crossing) for each pair of a sensor and another shape whose relative motion is long enough for a
+/// passage.
 template <class Visit>
 void for_each_candidate(const Sweeper& s, std::uint32_t row, SweepScratch& scratch, const Visit& visit) {
     const Transform &begin = s.pose_before(row), &end = s.pose[row];
@@ -138,7 +140,7 @@ void for_each_candidate(const Sweeper& s, std::uint32_t row, SweepScratch& scrat
                                        s.pose_before(other_row) != s.pose[other_row];
             if (is_seen_twice || !may_meet(s.w, shape, other)) continue;
             const Sweep theirs = s.sweep(other_row, other);
-            // Between two poses without overlap lies more than the shape itself.
+            // Between two poses without overlap lies a motion longer than the inner radius of the shape.
             if (collide::relative_motion(theirs, way, s.reach(row, shape)) <= to<Real>(s.at(shape).inner))
                 continue;
             visit(Crossing{other, shape, other_row, row, theirs, way});

@@ -8,7 +8,8 @@
 
 namespace lockstone::sim {
 
-/// Whether a body may be asleep that could be awake. What rests is looked at one by one where that is little beside the pairs.
+/// Returns true if a dynamic body may be asleep. Checks the resting bodies one by one only if they are few compared
+/// with the pairs; else returns true.
 static bool may_sleep(const Model& w, std::size_t pairs) {
     const std::span<const BodyInfo> resting = w.state.rows(w.m.body_info).subspan(w.header().bodies_awake);
     return resting.size() > pairs / 4 ||
@@ -41,9 +42,10 @@ bool wake_touched(Model& w, const PlacedShapes& placed, std::span<const NearPair
 
 namespace {
 
-/// A bound of the speeds of all points of a solid body: |v| + |w| times twice the largest gyration radius. The spin of a thin body about its
-/// long axis moves its surface by the smallest radius: a needle that rolls slowly is slow. So each spin of a thin body has the radius of
-/// its own axis; this costs a rotation, which other bodies save.
+/// An upper bound of the speeds of all points of a solid body: |v| + |w| times twice the largest gyration radius.
+/// Rotation of a thin body about its long axis moves its surface by the smallest radius only: a needle that rolls
+/// slowly is slow. So for a thin body each component of the angular velocity has the radius of its own axis. This
+/// costs a rotation, which the function saves for other bodies.
 Real speed_of(const Velocity& v, const BodyMass& mass, const Quat& rotation) {
     const Vec3& radii = mass.gyration;
     const Real most = max(radii.x, max(radii.y, radii.z)), least = min(radii.x, min(radii.y, radii.z));
@@ -53,7 +55,8 @@ Real speed_of(const Velocity& v, const BodyMass& mass, const Quat& rotation) {
     return linear + length(Vec3{spin.x * radii.x, spin.y * radii.y, spin.z * radii.z}) * 2;
 }
 
-/// The mean velocity of a body in the tick, by its poses. Position correction of contacts and joints moves a body without a velocity.
+/// The mean velocity of a body in the tick, computed from its poses. Position correction of contacts and joints moves
+/// a body without changing its velocity.
 Velocity displacement_rate(const Transform& from, const Transform& to, std::int32_t tick_rate) {
     const Quat turn = to.rotation * conjugate(from.rotation);
     const Real twice = Real(turn.w < Unit{} ? -2 : 2);
@@ -63,16 +66,17 @@ Velocity displacement_rate(const Transform& from, const Transform& to, std::int3
             lockstone::to<Speed>(angle * Real(tick_rate))};
 }
 
-/// A body is still while it is slow; or while it is less than four times as fast, and not far from where its still ticks began. Bodies
-/// that rock or shake on the spot between their neighbours would keep an island awake otherwise. The velocity and the displacement are both
-/// compared: a body that position correction moves has no velocity, and a body that is wedged has no displacement.
-/// source: Rouwe, Jolt Physics, Body::UpdateSleepStateInternal, for the idea to look at how far a body went
+/// A body is still while it is slow, or while it is less than four times as fast and not far from the position at
+/// which its still ticks began. Otherwise bodies that rock or shake on the spot between their neighbours would keep
+/// an island awake. Both velocity and displacement are compared: a body that position correction moves has no
+/// velocity, and a wedged body has no displacement.
+/// source: Rouwe, Jolt Physics, Body::UpdateSleepStateInternal, for the idea to compare how far a body went
 struct Stillness {
     std::uint32_t ticks_to_sleep;
     std::int32_t tick_rate;
     Speed slow, rocking;
-    Speed bobbing; ///< of bodies at the surface of a fluid, which are fastest where they are level with it
-    Speed away;    ///< of BodySleep::moved: what sleep_speed covers in sleep_time [tick m/s]
+    Speed bobbing; ///< limit for bodies at the surface of a fluid; they are fastest when they pass its level
+    Speed away;    ///< limit of BodySleep::moved: the way at sleep_speed for sleep_time [tick m/s]
 
     explicit Stillness(const Config& c)
         : ticks_to_sleep(static_cast<std::uint32_t>(std::max<std::int64_t>(
@@ -95,7 +99,7 @@ struct Stillness {
     }
     void count(BodySleep& sleep, const Velocity& v, const Transform& from, const Transform& at,
                bool is_afloat, const BodyMass& mass) const {
-        if (is_fast(v.linear)) return restart(sleep); // without roots
+        if (is_fast(v.linear)) return restart(sleep); // needs no square roots
         const Velocity went = displacement_rate(from, at, tick_rate);
         if (is_fast(went.linear)) return restart(sleep);
         sleep.moved = {sleep.moved.linear + went.linear, sleep.moved.angular + went.angular};
@@ -118,7 +122,7 @@ struct Islands {
 
     std::uint32_t root(std::uint32_t row) { return base::root_of(s.parent, row); }
     bool is_dynamic(std::uint32_t row) const { return row < awake && info[row].kind == BodyKind::dynamic; }
-    /// A kinematic body that moves keeps awake what it holds.
+    /// A moving kinematic body keeps the bodies that it holds awake.
     bool holds(std::uint32_t row) const {
         return row < awake && info[row].kind == BodyKind::kinematic && velocity[row] != Velocity{};
     }
@@ -140,7 +144,7 @@ struct Islands {
     }
 };
 
-/// Counts the still ticks of each awake body, in the state and in the scratch.
+/// Counts the still ticks of each awake body, in the state and in the scratch memory.
 void count_still_ticks(Model& w, const Stillness& stillness, const Motion& motion, IslandScratch& s) {
     const std::uint32_t awake = w.header().bodies_awake;
     const std::span<BodySleep> sleep = w.state.edit(w.m.body_sleep, 0, awake);
@@ -160,7 +164,7 @@ void count_still_ticks(Model& w, const Stillness& stillness, const Motion& motio
     }
 }
 
-/// The bodies of islands that have been still for long enough, with their rings; in slot order.
+/// Finds the bodies of islands that have been still for long enough, in slot order, and links their rings.
 void find_still_islands(Model& w, const Links& links, const Motion& motion, IslandScratch& s) {
     const Stillness stillness(w.config());
     count_still_ticks(w, stillness, motion, s);
@@ -177,7 +181,7 @@ void find_still_islands(Model& w, const Links& links, const Motion& motion, Isla
         const std::uint32_t slot = s.resting[i].index, row = w.row_of(s.resting[i]), root = islands.root(row);
         if (s.first[root] == 0) s.first[root] = slot;
         BodySleep& sleep = w.state.edit_row(w.m.body_sleep, row);
-        sleep = {0, s.first[root], s.first[root], {}}; // the ring is closed behind each
+        sleep = {0, s.first[root], s.first[root], {}}; // each step closes the ring
         if (s.last[root] != 0)
             w.state.edit_row(w.m.body_sleep, w.state.rows(w.m.body_slot)[s.last[root] - 1].row).next = slot;
         s.last[root] = slot;

@@ -9,7 +9,7 @@
 
 namespace lockstone::sim {
 
-/// Of a resting body the frame's place in the world.
+/// The frame of a joint; for a resting body, the frame in world space.
 static Transform frame_for_solver(const Model& w, std::uint32_t row, const Transform& frame) {
     if (row == Model::dead || row < w.header().bodies_awake) return frame;
     const Transform& pose = w.state.rows(w.m.body_pose)[row];
@@ -19,7 +19,7 @@ static Transform frame_for_solver(const Model& w, std::uint32_t row, const Trans
 
 static bool can_break(const JointDef& def) { return def.break_force != Real{} || def.break_torque != Real{}; }
 
-/// Whether something that the list is made of may be another than when this was last called.
+/// Returns true if a column from which the list is made may have changed since the last call.
 static bool has_changed(const Model& w, JointList& list) {
     bool any = false;
     const auto look = [&](std::uint32_t column, std::uint32_t rows) {
@@ -33,7 +33,7 @@ static bool has_changed(const Model& w, JointList& list) {
     return any;
 }
 
-/// Frames on what rests, which may have been put elsewhere.
+/// Updates the frames of resting bodies, which a command may have moved.
 static void place_resting(const Model& w, JointList& list) {
     for (const std::uint32_t i : list.resting) {
         solve::Joint& joint = list.all[i];

@@ -1,4 +1,4 @@
-// Joints in a tick: handed to the solver, and broken by it.
+// Joints in a tick: the list for the solver, and the removal of broken joints.
 #pragma once
 
 #include "lockstone/event.h"
@@ -10,26 +10,27 @@
 
 namespace lockstone::sim {
 
-/// The joints of a tick, and whether they are those of the last one: then what was made of them alone serves again.
+/// The joints of a tick. If the list is the same as in the last tick, data that depends on the joints alone stays
+/// valid.
 struct JointList {
     std::vector<solve::Joint> all; ///< in slot order, as the solver takes them
-    /// Made anew: joints have come, gone or changed, or bodies, their masses or their rows have. Frames in the world may be others in
-    /// any tick.
+    /// True if the list was rebuilt: joints were created, removed or changed, or bodies, their masses or their rows
+    /// were. Frames of resting bodies, in world space, may change in any tick.
     bool is_new = true;
-    std::vector<std::uint32_t> resting; ///< joints of `all` that hold a body that rests
-    bool any_breaks = false;            ///< a joint that would, with enough force or torque
+    std::vector<std::uint32_t> resting; ///< indices into `all` of joints that hold a resting body
+    bool any_breaks = false;            ///< at least one joint has a limit of force or torque
 
     void poison(std::byte with);
 
-    // What the list was made of
+    // The state of the columns from which the list was made
     const JointRow* rows = nullptr;
     std::uint32_t bodies_awake = 0, joints_awake = 0;
     ChangeMark seen;
-    std::vector<RowRange> changed;    ///< memory
-    std::vector<std::uint32_t> order; ///< memory: rows in slot order
+    std::vector<RowRange> changed;    ///< scratch memory
+    std::vector<std::uint32_t> order; ///< scratch memory: rows in slot order
 };
 void list_joints(const Model& w, JointList& out);
-/// Removes joints that bore too much, and reports them. `broken`: memory.
+/// Removes joints whose force or torque exceeds the limit, and reports them. `broken`: scratch memory.
 void break_joints(Model& w, const JointList& list, std::vector<JointId>& broken, std::vector<Event>& events);
 
 } // namespace lockstone::sim

@@ -1,4 +1,4 @@
-// Which shapes may meet: bounds that overlap, planes that are reached, and the filters.
+// Finds which shapes may collide: overlapping bounds, shapes near planes, and filters.
 #include "tick/pairs.h"
 
 #include "base/parallel.h"
@@ -14,7 +14,7 @@ namespace lockstone::sim {
 
 namespace {
 
-/// The columns that every pair looks at, found once for many.
+/// The columns that the work on every pair reads, looked up once.
 struct PairView {
     const Model& w;
     const PlacedShapes& placed;
@@ -35,7 +35,7 @@ struct PairView {
     }
 };
 
-/// Whether two shapes may meet: may_meet(), and what most pairs are without looking further.
+/// Returns true if two shapes may collide. Same result as may_meet(), with a fast path for the common kind of pair.
 bool may_pair(const PairView& v, collide::ProxyPair pair) {
     const PlacedShapes::Filter &a = v.placed.shape[pair.a].filter, &b = v.placed.shape[pair.b].filter;
     const auto is_dynamic = [&](const PlacedShapes::Filter& shape) {
@@ -47,19 +47,20 @@ bool may_pair(const PairView& v, collide::ProxyPair pair) {
            !v.joined.contain(a.body, b.body);
 }
 
-/// The half space below a plane, and what contacts look ahead of it.
+/// The half space below a plane, extended upwards by the margin of contacts.
 class Ahead {
     UnitVec3 n;
     Vec3 point;
-    int up;           ///< from Bound to Real
-    bool is_upright;  ///< n is +y: heights are all that counts
-    Real height_most; ///< then
+    int up;           ///< shift from Bound to Real
+    bool is_upright;  ///< n is +y: the test needs heights only
+    Real height_most; ///< highest y of the half space; used if is_upright
 
   public:
     Ahead(UnitVec3 normal, Vec3 at, std::uint32_t shift)
         : n(normal), point(at), up(static_cast<int>(16 + shift)),
           is_upright(n == UnitVec3{Unit{}, unit_one, Unit{}}), height_most(at.y + to<Real>(margin_base)) {}
-    /// True if bounds reach into it. A bound at the border of the range also covers everything beyond.
+    /// Returns true if bounds reach into the half space. A bound at the border of the range also covers everything
+    /// beyond it.
     bool is_reached(const collide::Bounds& bounds) const {
         const auto metres = [&](Bound b) { return Real::from_raw(std::int64_t{b.raw} << up); };
         if (is_upright) return bounds.lower.y == Bound::min() || metres(bounds.lower.y) <= height_most;
@@ -80,7 +81,7 @@ class Ahead {
     }
 };
 
-/// The pairs of a plane, by slot: sorted, as rows are not.
+/// Appends the pairs of a plane in order of slots. (Rows are not in that order.)
 void add_in_order(std::uint32_t plane, PairScratch& s) {
     for (std::uint32_t word = 0; word < s.at_plane.size(); ++word)
         for (std::uint64_t bits = s.at_plane[word]; bits != 0; bits &= bits - 1) {
@@ -94,14 +95,15 @@ void find_plane_pairs(const PairView& v, PairScratch& s) {
     const PlacedShapes& placed = v.placed;
     s.plane_pairs.clear();
     if (placed.planes.empty()) return;
-    base::make_room(s.plane_pairs, w.header().bodies_awake); // most shapes are near no plane, or one
+    base::make_room(s.plane_pairs, w.header().bodies_awake); // most shapes are near at most one plane
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
     const std::size_t words = (slots.size() + 63) / 64;
     base::make_room(s.at_plane, words);
     for (std::uint32_t plane : placed.planes) {
-        // A plane that a command has just put there meets all bodies, others those that are awake.
+        // A plane that a command has just created or moved is compared with all bodies, any other plane with the
+        // awake bodies.
         const bool is_fresh = is_awake(w, w.row_of(shapes[slots[plane].row].body));
         const std::uint32_t rows = is_fresh ? w.state.count(w.m.bodies) : w.header().bodies_awake;
         const Transform& at_plane = placed.shape[plane].pose;
@@ -123,7 +125,7 @@ void find_plane_pairs(const PairView& v, PairScratch& s) {
         add_in_order(plane, s);
     }
     if (s.plane_pairs.empty()) return;
-    if (!std::is_sorted(s.plane_pairs.begin(), s.plane_pairs.end())) // of several planes
+    if (!std::is_sorted(s.plane_pairs.begin(), s.plane_pairs.end())) // pairs of several planes
         std::sort(s.plane_pairs.begin(), s.plane_pairs.end());
     base::make_room(s.merged_pairs, s.pairs.size() + s.plane_pairs.size());
     s.merged_pairs.resize(s.pairs.size() + s.plane_pairs.size());
@@ -134,8 +136,9 @@ void find_plane_pairs(const PairView& v, PairScratch& s) {
 
 constexpr std::uint32_t filtered_per_chunk = 128;
 
-/// How far ahead the contacts of two shapes reach: as far as they near each other in a tick. What moves along with the
-/// other, however fast, meets nothing sooner than what rests.
+/// The distance within which two shapes get contacts: the distance by which they may approach in a tick. Only
+/// relative velocity counts: a body that moves along with the other body, however fast, needs no larger margin than a
+/// resting body.
 Length pair_margin(const PairView& v, Length widest, std::uint32_t body_a, const PlacedShapes::Shape& a,
                    std::uint32_t body_b, const PlacedShapes::Shape& b) {
     const Velocity &of_a = v.velocity[body_a], &of_b = v.velocity[body_b];
@@ -144,8 +147,9 @@ Length pair_margin(const PairView& v, Length widest, std::uint32_t body_a, const
                            turn_ahead_of(b, of_b.angular, v.tick_rate));
 }
 
-/// Whether bounds that reach ahead by each shape's own margin still overlap when the pair's margin is `spare` less than
-/// both together. Rounds so that no pair is missed. A bound at the border of the range also covers everything beyond.
+/// Each of the bounds is extended by its shape's own margin. Returns true if they still overlap when the margin of
+/// the pair is by `spare` less than the sum of both margins. Rounds so that no pair is lost. A bound at the border of
+/// the range also covers everything beyond it.
 bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length spare, std::uint32_t shift) {
     if (spare == Length{}) return true;
     const int drop = Length::fraction_bits - Bound::fraction_bits + static_cast<int>(shift);
@@ -159,7 +163,8 @@ bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length sp
     return out;
 }
 
-/// Whether one of two bodies was made asleep and the other does not move: a level is made in any order.
+/// Returns true if one body was created asleep and the other neither is dynamic nor moves. Such a pair wakes nothing,
+/// so the bodies of a level can be created in any order.
 bool leaves_asleep(const PairView& v, std::uint32_t body_a, std::uint32_t body_b) {
     const auto leaves = [&](std::uint32_t other, std::uint32_t sleeper) {
         return v.info[sleeper].kind == BodyKind::dynamic && v.info[other].kind != BodyKind::dynamic &&
@@ -168,8 +173,9 @@ bool leaves_asleep(const PairView& v, std::uint32_t body_a, std::uint32_t body_b
     return body_a >= v.awake ? leaves(body_b, body_a) : body_b >= v.awake && leaves(body_a, body_b);
 }
 
-/// Of two that may meet. Its key is null when both rest, or are farther apart than the margin. Written where it is kept: a copy
-/// of the whole would wait for numbers that were just written one by one.
+/// Finds the key of a pair that may collide; the key is null if both bodies rest or are farther apart than the
+/// margin. Writes straight into `out`: a copy of the whole key would stall on fields that were just written one by
+/// one.
 void find_key(const PairView& v, collide::ProxyPair pair, PairScratch::Key& out) {
     const PlacedShapes::Shape &a = v.placed.shape[pair.a], &b = v.placed.shape[pair.b];
     const std::uint32_t body_a = v.body_slots[a.filter.body].row, body_b = v.body_slots[b.filter.body].row;
@@ -206,19 +212,20 @@ void find_keys(const PairView& view, PairScratch& s, Tasks* tasks) {
                          });
 }
 
-/// How many pairs that are near are looked at: beyond, the last in pair order are dropped, as a table of contacts_max rows
-/// would drop most of them.
+/// The largest number of near pairs in a tick. Beyond it the last pairs in pair order are dropped; a table of
+/// contacts_max rows would drop most of them anyway.
 std::size_t near_max(const Model& w) {
     return 1024 + std::size_t{2} * w.state.rows_max(w.m.contacts.contacts);
 }
 
-/// How many pairs of overlapping leaves may be listed; it decides on speed and memory only.
+/// The largest number of pairs of overlapping leaves in the list; it affects speed and memory only.
 std::size_t leaf_pairs_max(const Model& w) { return 8 * near_max(w); }
 
-/// Whether may_pair() may say otherwise of pairs that it was asked about before: all that it reads.
+/// Returns true if may_pair() may give another result for a pair than before, that is, if any column that it reads
+/// has changed.
 bool are_filters_new(const Model& w, PairScratch& s) {
     bool are_new = false;
-    std::uint32_t before = 0; // rows of the last column
+    std::uint32_t before = 0; // row count of the last column at the previous call
     for (const std::uint32_t column :
          {w.m.shape.index, w.m.shape_traits.row.index, w.m.body_info.index, w.m.pair_filter.index}) {
         before = w.state.take_changes(column, s.filters_of, s.changed);
@@ -227,7 +234,8 @@ bool are_filters_new(const Model& w, PairScratch& s) {
     return are_new || before != w.state.count(w.m.pair_filters);
 }
 
-/// Pairs that may meet and whose bounds overlap, in order: all of them, or in a crowd as many as are looked at, and one more.
+/// Finds the pairs that may collide and whose bounds overlap, in order. Finds all pairs, or in a crowd one more than
+/// near_max().
 void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, bool filters_new, PairScratch& s,
                    Tasks* tasks) {
     const auto may = [&view](collide::ProxyPair pair) { return may_pair(view, pair); };
@@ -242,7 +250,7 @@ void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, bool 
 
 std::uint64_t place_of(const ContactKey& k) { return std::uint64_t{k.a.index} << 32 | k.b.index; }
 
-/// Walks keys in pair order, from a place on; after the last of them it stays at a place beyond all.
+/// Iterates over rows in pair order, from a key on. After the last row `place` is greater than that of every key.
 template <class Row, class KeyOf> class Walk {
     std::span<const Row> rows;
     KeyOf key_of;
@@ -264,12 +272,12 @@ template <class Row, class KeyOf> class Walk {
     std::uint64_t find_place() const { return at < rows.size() ? place_of(key_of(rows[at])) : UINT64_MAX; }
 };
 
-/// Whether keys that stand at one place are the same.
+/// Returns true if two keys with equal indices also have equal generations.
 bool is_same(const ContactKey& x, const ContactKey& y) {
     return x.a.generation == y.a.generation && x.b.generation == y.b.generation;
 }
 
-/// Ends what touched and is no longer near.
+/// Adds the pair of a row to `ended` if it touched.
 void retire(const ContactList& old, std::uint32_t row, std::vector<ContactResult>& ended) {
     const ContactMemory& memory = old.memories[row];
     if (!touched(memory)) return;
@@ -277,15 +285,15 @@ void retire(const ContactList& old, std::uint32_t row, std::vector<ContactResult
     result.key = old.keys[row], result.flags = memory.flags, result.was_touching = true;
 }
 
-/// Where the old rows begin that belong to keys from `first` on; behind all of them where there are no such keys.
+/// The place at which the old rows of the keys from `first` on begin; UINT64_MAX if there are no such keys.
 std::uint64_t first_place(std::span<const PairScratch::Key> keys, std::uint32_t first) {
     if (first == 0) return 0;
     while (first < keys.size() && !keys[first].key.a) ++first;
     return first < keys.size() ? place_of(keys[first].key) : UINT64_MAX;
 }
 
-/// The pairs of keys [first, last) that have one, with their rows of the contact table and the hints of the last tick; at most as many as `out` has.
-/// What touched there and is no longer near goes to `ended`.
+/// Lists the pairs of keys [first, last) that are not null, with their rows of the contact table and the hints of the
+/// last tick. Lists at most `out.size()` pairs. Appends to `ended` the pairs that touched and are no longer near.
 void list_some(PlacedShapes& placed, const ContactList& table, const PairScratch& s, std::uint32_t first,
                std::uint32_t last, std::span<NearPair> out, std::vector<ContactResult>& ended) {
     const std::span<const ContactKey> old_keys = table.keys;
@@ -303,7 +311,7 @@ void list_some(PlacedShapes& placed, const ContactList& table, const PairScratch
         while (hint.place < place) hint.next();
         make_axes(placed.shape[pair.key.a.index - 1]);
         make_axes(placed.shape[pair.key.b.index - 1]);
-        NearPair& near = out[listed++]; // filled in there, as keys are
+        NearPair& near = out[listed++]; // filled in place, like the keys
         near.key = pair.key, near.margin = pair.margin, near.old_first = old.at, near.old_count = 0;
         for (; old.place == place; old.next()) {
             if (is_same(old_keys[old.at], pair.key))
@@ -317,7 +325,7 @@ void list_some(PlacedShapes& placed, const ContactList& table, const PairScratch
     for (; old.place < end; old.next()) retire(table, old.at, ended);
 }
 
-/// Lists what is near, at most so many.
+/// Lists the near pairs, at most `most`.
 void list_near(PlacedShapes& placed, const ContactList& table, std::size_t most, PairScratch& s,
                NearPairs& out, Tasks* tasks) {
     constexpr std::uint32_t listed_per_chunk = 4 * filtered_per_chunk;
@@ -330,7 +338,7 @@ void list_near(PlacedShapes& placed, const ContactList& table, std::size_t most,
         near += std::exchange(of_chunk, static_cast<std::uint32_t>(near));
     out.is_cut = near > most;
     base::make_room(out.list, std::min(near, most));
-    out.list.resize(std::min(near, most)); // those of the tick before the last one are written over
+    out.list.resize(std::min(near, most)); // list_some() overwrites the pairs that are still in it
     const bool is_shared = !out.is_cut && base::is_shared(tasks, count, listed_per_chunk);
     s.paths.take(out.is_cut, base::Path::near_all, base::Path::near_cut);
     s.paths.take(is_shared, base::Path::near_by_one, base::Path::near_by_workers);
@@ -375,12 +383,12 @@ bool JoinedBodies::find(const Model& w) {
     });
     for (std::uint32_t slot = 1; slot <= slots; ++slot) first[slot] += first[slot - 1];
     partners.resize(first[slots]);
-    // From where those of a slot end down to where they begin.
+    // Fills the list of each slot backwards, from its end to its begin.
     for_each_end([&](std::uint32_t own, std::uint32_t other) { partners[--first[own]] = other; });
     return first != first_before || partners != partners_before;
 }
 
-/// Many joints may end at one body: the one with fewer is asked.
+/// Many joints may end at one body, so the function searches the shorter of the two lists.
 bool JoinedBodies::has_partner(std::uint32_t a, std::uint32_t b) const {
     if (first[a + 1] - first[a] > first[b + 1] - first[b]) std::swap(a, b);
     const auto begin = partners.begin();

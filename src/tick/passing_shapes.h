@@ -1,4 +1,5 @@
-// Finds shapes that pass each other: what is ahead of a ball in the direction of an edge is not in its way when it rolls over that edge.
+// Detects shapes that pass each other. Example: a ball rolls over the joint of two flush boxes. The contact normal at
+// the edge of the second box points against the ball's motion, like that of a wall, but the ball passes above it.
 #pragma once
 
 #include "collide/narrow_phase.h"
@@ -9,14 +10,15 @@
 
 namespace lockstone::sim {
 
-/// The way of a shape through the axes of another one's body, within a tick.
+/// The motion of a shape within a tick, in the axes of the other shape's body.
 struct PassingWay {
     SpeedVec3 velocity; ///< of its origin [m/s]
     SpeedVec3 turning;  ///< [rad/s]
-    Length rim;         ///< from its origin to what turns with it, without its rounding [m]
+    Length rim; ///< radius of the points that its rotation moves, about its origin, without its rounding [m]
 };
 
-/// How far what turns with a shape is from its origin. Turning moves no surface of a sphere, and of a capsule as its segment.
+/// The radius of the points of a shape that its rotation moves. Zero for a sphere; for a capsule the half length of
+/// its segment.
 inline Length rim_of(const PlacedShapes::Shape& shape) {
     const Geometry& g = shape.solid.geometry;
     if (g.kind == ShapeKind::sphere) return {};
@@ -24,13 +26,15 @@ inline Length rim_of(const PlacedShapes::Shape& shape) {
     return shape.reach > Coordinate(128) ? Length::max() : to<Length>(shape.reach);
 }
 
-/// True if B passes A within the tick and does not enter it deeper than `graze`: a direction at right angles to their relative motion separates the
-/// two now and, since straight motion keeps the distance along it, until the tick ends. The function tries the parts of `normal` (of their manifold,
-/// in A's axes) and of the axes of both shapes that are at right angles to the motion. False where no direction is found, for kinds that
-/// collide::are_parted() does not support, and for motion that comes nearer by less than `graze`: B slides along A, and the manifold carries it.
+/// Returns true if B passes A within the tick and does not enter it deeper than `graze`. That is so if a direction at
+/// right angles to their relative motion separates the two now: straight motion keeps the distance along that
+/// direction, so it separates them until the tick ends. The function tries the parts of `normal` (of their manifold,
+/// in A's axes) and of the axes of both shapes that are at right angles to the motion.
+/// Returns false if it finds no such direction, for kinds that collide::are_parted() does not support, and for motion
+/// that closes by less than `graze`: then B slides along A, and the manifold carries it.
 inline bool pass_each_other(const collide::PlacedSolid& a, const collide::PlacedSolid& b, UnitVec3 normal,
                             const PassingWay& way, Length graze, Unit half_tick) {
-    constexpr Unit head_on = decimal<Unit>("0.06"); // the sine of the angle between way and direction
+    constexpr Unit head_on = decimal<Unit>("0.06"); // the sine of the angle between motion and direction
     constexpr Length spare_of_parting = decimal<Length>("0.001");
     const Real time = to<Real>(half_tick) * Real(2);
     const UnitVec3 ahead = mul_transposed<Unit>(a.axes, normalized(way.velocity));

@@ -1,9 +1,11 @@
-// Bodies are taken one after the other, first all that are no bullets, then the bullets, by row. Each is swept against ways
-// that are final: of static and kinematic bodies, and for a bullet of all dynamic bodies taken before it. So for any
-// two there is a motion from the poses before to the poses after in which they do not pass through each other.
-// Those that are no bullets do not see each other, so workers share them; the poses are written when all are known.
+// The bodies are handled in sequence: first those that are not bullets, then the bullets, by row. Each is swept
+// against motions that are final: those of static and kinematic bodies and, for a bullet, of all dynamic bodies
+// handled before it. So for any two of these bodies there is a motion from the poses before to the poses after in
+// which they do not pass through each other.
+// Bodies that are not bullets are not swept against each other, so workers share them; the poses are written when all
+// are known.
 //
-// A body that was hit by a moving one is carried along by it for the rest of the tick.
+// A body that was hit by a moving body is carried along by it for the rest of the tick.
 #include "tick/sweep.h"
 
 #include "base/parallel.h"
@@ -15,8 +17,8 @@
 namespace lockstone::sim {
 namespace {
 
-/// No less than what relative_motion says of a body alone, without roots: a turn's rate is at most 2.9 times the length of
-/// the quaternion's change, and no length is above the sum of its parts.
+/// An upper bound of relative_motion() of a body against the world, without square roots: the rate of a rotation is
+/// at most 2.9 times the length of the quaternion's change, and no length is above the sum of its components.
 class CoarseMotion {
     const Transform &from, &to;
     std::int64_t moved; ///< [m], Real
@@ -33,13 +35,13 @@ class CoarseMotion {
     }
     static constexpr std::int64_t reach_max = std::int64_t{1024} << Real::fraction_bits;
 
-    /// Of points within `reach` of the centre of mass [m], Real.
+    /// The bound for points within `reach` of the centre of mass [m], Real.
     Real of(std::int64_t reach) const {
         if (reach == 0) return Real::from_raw(moved + rounding);
         if (reach > reach_max) return Real::max();
         return within(reach);
     }
-    /// The same or more, for a reach up to reach_max.
+    /// At least that bound, for a reach up to reach_max.
     Real within(std::int64_t reach) const {
         const Quat p = from.rotation, q = to.rotation;
         const std::int64_t turn_30 = apart(p.x.raw, q.x.raw) + apart(p.y.raw, q.y.raw) +
@@ -50,36 +52,39 @@ class CoarseMotion {
     }
 };
 
-/// Against what stands still a shape may move further before it has to be swept: nothing comes towards it besides. A
-/// bullet is swept whenever it moves: what turns so fast that its contacts do not hold it would sink in bit by bit. Not a
-/// sphere, which turns nothing in.
+/// Returns true if a shape moves so far that it has to be swept. The limit is higher against a shape that does not
+/// move, as nothing comes towards the body. It is far lower for a bullet against moving shapes: a bullet that turns
+/// so fast that its contacts do not hold it would sink in bit by bit. The lower limit does not apply to a sphere,
+/// whose rotation moves no surface.
 bool is_fast(Real motion, const PlacedShapes::Shape& shape, bool against_static, bool bullet) {
     const Real inner = to<Real>(shape.inner);
     const bool may_turn_in = bullet && shape.solid.geometry.kind != ShapeKind::sphere;
     return motion > (against_static ? half(inner) : may_turn_in ? inner / Real(64) : inner / Real(4));
 }
 
-/// What stops a body: the fraction of its way, and whose shape it was.
+/// The first shape that stops a body: the fraction of the path, and the row of the other body.
 struct Stop {
     Unit fraction = unit_one;
     std::uint32_t row = Model::dead;
-    std::uint32_t shape = 0; ///< its own, as an index
+    std::uint32_t shape = 0; ///< the shape of the stopped body, as an index
 };
 
-/// Whether the way of a body in row `other` is final and it stops this one.
+/// Returns true if the motion of the body in row `other` is final and that body may stop this one.
 bool is_swept_against(const Sweeper& s, std::uint32_t row, std::uint32_t other) {
     if (s.info[other].kind != BodyKind::dynamic) return true;
     if (!s.is_bullet(row) || other == row) return false;
     return !s.is_bullet(other) || other < row;
 }
 
-/// A one-way surface stops what moves against its +y and began above it. `moved`: the other body against the wall's.
+/// Returns true if a one-way surface lets the motion `moved` through: it stops only motion against its +y, from
+/// above. `moved`: the motion of the other body relative to the wall's.
 bool passes_one_way(const Sweeper& s, const ShapeRow& wall, Vec3 moved) {
     if (s.traits(wall).one_way == 0) return false;
     return dot<Real>(axes_of(s.at(wall)).y, moved) >= Real{};
 }
 
-/// visit(wall, row of its body, way of its body, way of the shape's body) for the shapes that may stop this one.
+/// Calls visit(wall, row of its body, path of its body, path of the shape's body) for the shapes that may stop this
+/// one.
 template <class Visit>
 void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
                    collide::BroadPhase::Asker& near, Visit&& visit) {
@@ -103,13 +108,13 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
     }
 }
 
-/// A worker's memory.
+/// The scratch memory of a worker.
 struct Hand {
     SweepScratch::Worker& own;
     collide::NarrowScratch& narrow;
 };
 
-/// Where the first of the body's shapes is stopped, with what is in `touching`.
+/// The first stop of any of the body's shapes, given the directions in `touching`.
 Stop first_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     Stop stop;
     const auto held = s.info[way.row].first_joint != 0 ? collide::Held::by_joints : collide::Held::not_at_all;
@@ -125,7 +130,7 @@ Stop first_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     return stop;
 }
 
-/// What the body touches at the start, into `touching`.
+/// Stores in `touching` the directions of the contacts that the body has at the start.
 void find_touching(const Sweeper& s, const Way& way, const Hand& hand) {
     hand.own.touching.clear();
     s.for_each_shape(way.row, [&](const ShapeRow& shape) {
@@ -137,8 +142,8 @@ void find_touching(const Sweeper& s, const Way& way, const Hand& hand) {
     });
 }
 
-/// Where the body is stopped. What it touches at the start can only make it pass what would stop it otherwise, so that is
-/// looked for last.
+/// Finds where the body is stopped. The contacts at the start can only turn a stop into none, so the function looks
+/// for them only after it found a stop.
 Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     hand.own.touching.clear();
     const Stop stop = first_stop(s, way, hand);
@@ -147,8 +152,8 @@ Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     return hand.own.touching.empty() ? stop : first_stop(s, way, hand);
 }
 
-/// The end of a way on which the core of a shape does not come nearer to what is touched, though the body turns: else what sticks in it, and is
-/// held by its core, would never turn out of it.
+/// Changes the end of a path so that the core of a shape does not come nearer to the touched surfaces while the body
+/// turns. Otherwise a body that is stuck and held by its core would never turn out.
 Transform about_core(const Sweeper& s, std::uint32_t row, std::uint32_t shape, const Transform& from,
                      const Transform& to, std::span<const UnitVec3> touching) {
     const ShapeRow& of = s.shapes[s.slots[shape - 1].row];
@@ -163,8 +168,8 @@ Transform about_core(const Sweeper& s, std::uint32_t row, std::uint32_t shape, c
     return {from.position + rest, to.rotation};
 }
 
-/// A body that is stopped at `at` by what stands still goes on along it: held where it first touches, a limb would be left
-/// behind by its joints, and what slides would stumble.
+/// Continues the motion of a body that a motionless shape stopped at `at`, along that shape. If the body stayed where
+/// it first touches, its joints would leave a limb behind, and a sliding body would stumble.
 Transform slide_on(const Sweeper& s, std::uint32_t row, const Transform& from, const Transform& to,
                    const Transform& at, Unit fraction, const Hand& hand) {
     const Vec3 whole = to.position - from.position, done = at.position - from.position;
@@ -187,8 +192,8 @@ Transform slide_on(const Sweeper& s, std::uint32_t row, const Transform& from, c
     return collide::body_pose_at({at, turned, Transform::identity()}, last.fraction);
 }
 
-/// Where the body was stopped, if it was, and moved on with what stopped it: shifted, or when that lets it turn through
-/// the body, turned too.
+/// Returns the pose at which the body was stopped, if it was, carried on with the body that stopped it: by
+/// translation, or, where translation would let that body turn through this one, by rotation too.
 std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const Hand& hand) {
     const Transform from = s.pose_before(row), to = s.pose[row];
     const Stop stop = find_stop(s, {row, from, to, Unit{}, Model::dead, to.position - from.position}, hand);
@@ -210,7 +215,7 @@ std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const H
     return collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
 }
 
-/// Whether anything is near the way of a body.
+/// Returns true if any shape is near the path of a body.
 bool may_be_stopped(const Sweeper& s, std::uint32_t row, Among among, const Hand& hand) {
     const Transform &from = s.pose_before(row), &to = s.pose[row];
     bool any = false;
@@ -223,11 +228,12 @@ bool may_be_stopped(const Sweeper& s, std::uint32_t row, Among among, const Hand
     return any;
 }
 
-/// Against what a body is fast. Whole words: they are put together shape by shape, and read at once.
+/// Flags: the body is fast against motionless shapes, or against moving ones. They are whole words, since each shape
+/// updates them one by one and they are then read together.
 class Haste {
     const Sweeper& s;
     bool bullet;
-    Real others; ///< the most that what moves comes towards it
+    Real others; ///< the greatest motion of moving shapes towards it
     unsigned still = 0, moving = 0;
 
   public:
@@ -241,7 +247,7 @@ class Haste {
     bool any() const { return (still | moving) != 0; }
 };
 
-/// No less than haste_of.
+/// An upper bound of haste_of().
 Haste coarse_haste_of(const Sweeper& s, std::uint32_t row) {
     Haste haste(s, row);
     const CoarseMotion coarse(s.pose_before(row), s.pose[row]);
@@ -255,8 +261,8 @@ Haste coarse_haste_of(const Sweeper& s, std::uint32_t row) {
     });
     return haste;
 }
-/// Whether a body that is no bullet has at most one shape, and that is fast against nothing: so it is with most. Where this is true,
-/// coarse_haste_of finds nothing either; it takes twice the steps.
+/// Returns true if a body that is not a bullet has at most one shape and that shape is certainly not fast, as is the
+/// case for most bodies. Then coarse_haste_of() finds nothing either; it takes twice the steps.
 bool is_surely_slow(const Sweeper& s, std::uint32_t row) {
     const std::uint32_t slot = s.info[row].first_shape;
     if (slot == 0) return true;
@@ -281,8 +287,9 @@ Haste haste_of(const Sweeper& s, std::uint32_t row) {
     return haste;
 }
 
-/// Most of what falls is far from all else, and what that costs to find is less than how fast a body is. What is fast only against what moves
-/// asks for that alone. A bullet finds itself, so it does not ask.
+/// Returns true if a body has to be swept. Most falling bodies are far from all other shapes, and a query of the
+/// broad phase costs less than the exact motion. A body that is fast only against moving shapes queries only those.
+/// The query of a bullet would find the bullet itself, so the function skips it.
 bool is_to_sweep(const Sweeper& s, std::uint32_t row, const Hand& hand) {
     const Haste coarse = coarse_haste_of(s, row);
     if (!coarse.any()) return false;
@@ -290,7 +297,7 @@ bool is_to_sweep(const Sweeper& s, std::uint32_t row, const Hand& hand) {
     return (s.is_bullet(row) || may_be_stopped(s, row, among, hand)) && haste_of(s, row).any();
 }
 
-/// What tells whether the body of a row is fast, which will be asked soon.
+/// Prefetches the data that decides if the body in a row is fast.
 void fetch_ahead(const Sweeper& s, std::uint32_t row) {
     if (row >= s.info.size() || s.info[row].first_shape == 0) return;
     const PlacedShapes::Shape& shape = s.placed.shape[s.info[row].first_shape - 1];
@@ -299,8 +306,9 @@ void fetch_ahead(const Sweeper& s, std::uint32_t row) {
 
 constexpr std::uint32_t sweeps_per_chunk = 16;
 
-/// Takes the speed of gravity out for the way that a stopped body did not go. Velocity is kept where a body is stopped, so a body that is stopped in
-/// each tick, and that no contact holds, would otherwise gain speed for ever; the contact that holds it at last would turn that speed into spin.
+/// Removes the speed that gravity added for the part of the path that a stopped body did not go. The velocity of a
+/// stopped body is kept. So a body that is stopped in each tick and that no contact holds would gain speed for ever,
+/// and the contact that holds it at last would turn that speed into spin.
 void take_fall_back(Model& w, const Sweeper& s, std::uint32_t row, const Transform& at) {
     const Vec3 gravity = w.header().gravity, whole = s.pose[row].position - s.pose_before(row).position;
     const Real fallen = dot<Real>(whole, gravity),
@@ -313,8 +321,9 @@ void take_fall_back(Model& w, const Sweeper& s, std::uint32_t row, const Transfo
     velocity = to<Speed>(to<Real>(velocity) - gravity * scale);
 }
 
-/// The pose of a stopped body, and its angular velocity: the same along the axes of the body. Those of the whole turn would have another energy about the
-/// axes that the body has where it was stopped; of a thin body up to thousands of times as much.
+/// Stores the pose of a stopped body, and its angular velocity so that the components along the axes of the body stay
+/// the same. With the world components of the whole turn, the body would have another energy at the orientation where
+/// it stopped; for a thin body up to thousands of times as much.
 void stop_body(Model& w, const Sweeper& s, std::uint32_t row, const Transform& at) {
     const Quat meant = s.pose[row].rotation;
     const BodyTraits& traits = s.mass.traits[s.info[row].traits];
@@ -328,7 +337,8 @@ void stop_body(Model& w, const Sweeper& s, std::uint32_t row, const Transform& a
     w.state.edit_row(w.m.body_pose, row) = at;
 }
 
-/// All that are no bullets. They are swept against static and kinematic bodies alone, whose poses nobody writes here.
+/// Sweeps all bodies that are not bullets. They are swept only against static and kinematic bodies, whose poses do
+/// not change here.
 void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> workers, SweepScratch& sweep,
                         Tasks* tasks) {
     const std::uint32_t rows = w.header().bodies_awake;
@@ -354,7 +364,8 @@ void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> work
         for (const StoppedBody& body : worker.stopped) stop_body(w, s, body.row, body.at);
 }
 
-/// With room for what is usually near, so that the tick in which a body first becomes fast does not allocate.
+/// Reserves room for the usual number of near shapes, so that the tick in which a body first becomes fast does not
+/// allocate.
 void make_workers(SweepScratch& sweep, std::uint32_t count) {
     constexpr std::size_t usual = 256;
     sweep.workers.resize(count);
@@ -382,7 +393,7 @@ void sweep_fast_bodies(Model& w, PlacedShapes& placed, const PosesBefore& before
     std::sort(sweep.driven.begin(), sweep.driven.end());
     const std::uint32_t workers = base::worker_count(tasks);
     if (sweep.workers.size() < workers) make_workers(sweep, workers);
-    s.driven = sweep.driven; // which making workers may move
+    s.driven = sweep.driven; // make_workers() may reallocate the list
     sweep.paths.take(sweep.driven.size() > driven_max, base::Path::driven_compared,
                      base::Path::driven_in_trees);
     sweep.paths.take(any_bullet, base::Path::sweep_without_bullets, base::Path::sweep_with_bullets);

@@ -1,4 +1,4 @@
-// The ways of the shapes of awake bodies through a tick, and the shapes that are near to them.
+// The paths of the shapes of awake bodies through a tick, and the shapes near them.
 #pragma once
 
 #include "collide/query/cast.h"
@@ -12,11 +12,11 @@ namespace lockstone::sim {
 
 using collide::Sweep;
 
-/// A view of the state and of the poses before the tick. Valid until a table grows.
+/// A view of the state and of the poses before the tick. Valid while no table grows.
 struct Sweeper {
     const Model& w;
     const PlacedShapes& placed;
-    std::span<const Transform> before; ///< poses when the tick began, of what was awake then
+    std::span<const Transform> before; ///< poses when the tick began, of the bodies that were awake then
     std::span<const Transform> pose;
     std::span<const BodyInfo> info;
     solve::MassView mass;
@@ -25,7 +25,7 @@ struct Sweeper {
     std::span<const Slot> slots;
     std::span<const std::uint32_t> driven; ///< shapes of awake bodies that are not dynamic
     Real kinematic_motion_max{},
-        motion_max{}; ///< of any point of a kinematic, of any moving body in this tick [m]
+        motion_max{}; ///< greatest motion in this tick of any point of a kinematic body, and of any moving body [m]
 
     Sweeper(const Model& model, const PlacedShapes& shapes_placed, const PosesBefore& poses_before)
         : w(model), placed(shapes_placed), before(poses_before.list), pose(w.state.rows(w.m.body_pose)),
@@ -34,7 +34,7 @@ struct Sweeper {
 
     const PlacedShapes::Shape& at(const ShapeRow& shape) const { return placed.shape[shape.id.index - 1]; }
     const Transform& pose_before(std::uint32_t row) const {
-        return row < before.size() ? before[row] : pose[row]; // what rests is where it was
+        return row < before.size() ? before[row] : pose[row]; // a body that rests has not moved
     }
     const shapes::Solid& solid(const ShapeRow& shape) const { return at(shape).solid; }
     const ShapeTraits& traits(const ShapeRow& shape) const { return shape_traits[shape.traits]; }
@@ -48,7 +48,7 @@ struct Sweeper {
                 pose[row],
                 {traits(shape).local.position - mass[row].center, traits(shape).local.rotation}};
     }
-    /// The greatest distance of its turning points from the centre of mass.
+    /// The greatest distance of the points that rotation moves from the centre of mass.
     Real reach(std::uint32_t row, const ShapeRow& shape) const {
         const Real offset = length(traits(shape).local.position - mass[row].center);
         if (traits(shape).geometry.kind == ShapeKind::sphere) return offset;
@@ -75,17 +75,17 @@ inline Real motion_of(const Sweeper& s, std::uint32_t row) {
     return most;
 }
 
-/// The way of the body in a row, or a later part of it: then the others' ways begin at the same time.
+/// The path of the body in a row, or a later part of it: then the paths of the other bodies begin at that time too.
 struct Way {
     std::uint32_t row;
     Transform from, to; ///< of the centre of mass
     Unit begin;
-    std::uint32_t except; ///< a row that is not looked at
-    Vec3 moved;           ///< in the tick as far as is known, for one-way surfaces
+    std::uint32_t except; ///< row of a body that is skipped
+    Vec3 moved;           ///< motion in the tick as far as it is known, for one-way surfaces
 };
 
-/// True if a way stays above a plane that does not move, by more than `around`, the reach of the shape: the plane then neither stops nor
-/// touches the shape, like a box that the way's box does not meet.
+/// Returns true if a path stays above a motionless plane by more than `around`, the reach of the shape. Then the
+/// plane neither stops nor touches the shape, like any shape whose box does not meet the box of the path.
 inline bool stays_above(const Sweeper& s, std::uint32_t plane, const Sweep& way, Real around) {
     if (s.info[s.row_of(plane)].kind != BodyKind::static_) return false;
     const PlacedShapes::Shape& at = s.placed.shape[plane];
@@ -94,10 +94,10 @@ inline bool stays_above(const Sweeper& s, std::uint32_t plane, const Sweep& way,
     return height(way.from.position) > around && height(way.to.position) > around;
 }
 
-/// So many driven shapes are compared with each way; more are looked for in the trees.
+/// Up to this number, each driven shape is compared with each path; beyond, the trees are searched.
 inline constexpr std::size_t driven_max = 64;
 
-/// Adds the driven shapes that the box may meet. In order, as the trees answer.
+/// Appends the driven shapes whose bounds the box may meet, in order, as queries of the trees do.
 inline void add_driven(const Sweeper& s, const collide::SweptBox& box, std::vector<std::uint32_t>& near) {
     const std::size_t before = near.size();
     for (const std::uint32_t proxy : s.driven)
@@ -105,9 +105,9 @@ inline void add_driven(const Sweeper& s, const collide::SweptBox& box, std::vect
     if (near.size() != before) std::sort(near.begin(), near.end());
 }
 
-enum class Among { all, driven }; ///< what a way may lead near to
+enum class Among { all, driven }; ///< which shapes a search returns
 
-/// The shapes that a way may lead near to, into `near`. Returns the way of this shape.
+/// Stores in `near` the shapes that may be near a path. Returns the path of this shape.
 inline Sweep find_near(const Sweeper& s, const Way& whole, const ShapeRow& shape, Among among,
                        collide::BroadPhase::Asker& near) {
     const std::uint32_t row = whole.row;
@@ -132,7 +132,7 @@ inline Sweep find_near(const Sweeper& s, const Way& whole, const ShapeRow& shape
     near.proxies.clear();
     if (s.is_bullet(row) || s.driven.size() > driven_max)
         placed.broad_phase.query(swept, near);
-    else { // what is dynamic would be left out below
+    else { // the caller would skip dynamic shapes anyway
         if (among == Among::all) placed.broad_phase.query_static(swept, near);
         add_driven(s, swept, near.proxies);
     }

@@ -1,4 +1,4 @@
-// One tick: a pure function of the state and the commands since the last one. tick.cpp has the order of its phases.
+// One tick: a pure function of the state and the commands since the last tick. tick.cpp has the order of its phases.
 #pragma once
 
 #include "lockstone/journal.h"
@@ -20,8 +20,8 @@
 
 namespace lockstone::sim {
 
-/// What a tick makes and forgets, by the phase that makes it. No later tick can see what it holds, but for the contact table,
-/// which is that of the state, and hints, which change speed only.
+/// Scratch memory of a tick, grouped by the phase that writes it. No later tick depends on it, with two exceptions:
+/// the contact table, which is a copy of the state's, and hints, which change speed only.
 struct TickScratch {
     TickScratch() { bodies.kernel = solve::kernels_of(best_simd())->bodies; }
     void reserve(const WorldRows& rows) {
@@ -39,7 +39,7 @@ struct TickScratch {
     PairScratch pair_scratch;
     NearPairs near;
 
-    ContactCopy table; ///< of the last tick, then of this one; the state has it when the tick is over
+    ContactCopy table; ///< the last tick's, then this tick's; the tick writes it to the state at its end
     ContactScratch contact_scratch;
     FoundContacts found;
 
@@ -48,7 +48,7 @@ struct TickScratch {
     FieldsOfTick fields;
 
     solve::StepConstants step{};
-    solve::StepSettings step_of{}; ///< what `step` was made of; without ticks of nothing
+    solve::StepSettings step_of{}; ///< the settings of `step`; ticks_per_second is 0 before the first tick
     solve::SolverBodies bodies;
     std::vector<solve::Load> wheel_loads;
     solve::PressedBodies pressed;
@@ -62,25 +62,26 @@ struct TickScratch {
     std::vector<JointId> broken;
     IslandScratch islands;
 
-    base::Paths paths; ///< of the last tick, once it is over
+    base::Paths paths; ///< of the last tick, once it has ended
 };
 
-/// What the last tick has to say, besides the state.
+/// Results of the last tick that are not part of the state.
 struct TickOutput {
     std::vector<Event> events;
     ContactPoints contact_points;
-    std::vector<PhaseHash> phase_hashes; ///< when they are asked for
+    std::vector<PhaseHash> phase_hashes; ///< filled only if TickHooks::phase_hashes is set
 
     void reserve(const WorldRows& rows) { contact_points.reserve(std::size_t{4} * rows.contacts); }
 };
 
 struct TickHooks {
-    Tasks* tasks = nullptr; ///< null: all on one thread
+    Tasks* tasks = nullptr; ///< null: one thread does all work
     PhaseObserver* observer = nullptr;
     bool phase_hashes = false;
 };
 
-/// Fills all that is written before it is read with a byte; caches stay.                     (poison.cpp)
+/// Overwrites with a byte all scratch memory that every tick writes before it reads it. Caches keep their values.
+/// (poison.cpp)
 void poison_scratch(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& scratch,
                     std::byte with);
 

@@ -1,4 +1,4 @@
-// Which pairs touch.
+// Decides which pairs touch.
 #include "base/parallel.h"
 #include "base/prefetch.h"
 #include "tick/contact_result.h"

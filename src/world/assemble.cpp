@@ -1,4 +1,4 @@
-// Makes bodies, characters, joints, vehicles and fields in the order of the game's keys.
+// Creates bodies, characters, joints, vehicles and fields in the order of the game's keys.
 #include "lockstone/assemble.h"
 
 #include "base/text.h"
@@ -13,7 +13,7 @@ namespace {
 
 using base::join;
 
-/// Positions in ascending order of key; the error names a key that stands twice.
+/// Indices in ascending order of key. Returns an error if two definitions have the same key.
 template <class Def, class Key>
 Result<std::vector<std::size_t>> by_key(std::span<const Def> defs, const char* what, Key&& key) {
     std::vector<std::size_t> order(defs.size());
@@ -33,7 +33,7 @@ std::uint64_t key_of(const JointAssembly& a) { return a.joint.user_key; }
 std::uint64_t key_of(const VehicleAssembly& a) { return a.vehicle.user_key; }
 std::uint64_t key_of(const FieldAssembly& a) { return a.user_key; }
 
-/// The bodies of a level by their keys. Looked up, never walked.
+/// The bodies of a level by their keys. The code looks up keys, and never iterates.
 using Names = std::map<std::uint64_t, BodyId>;
 
 Result<BodyId> named(const Names& names, const char* what, std::uint64_t key) {
@@ -81,7 +81,7 @@ Result<FieldId> create(World& world, const Names&, const FieldAssembly& assembly
     return world.create_field(assembly.field);
 }
 
-/// All of one kind, in order of key; ids in the order of `defs`.
+/// Creates all objects of one kind in order of key; `ids` is in the order of `defs`.
 template <class IdType, class Def>
 Status create_all(World& world, const Names& names, std::span<const Def> defs, const char* what,
                   std::vector<IdType>& ids) {
@@ -98,7 +98,7 @@ Status create_all(World& world, const Names& names, std::span<const Def> defs, c
     return {};
 }
 
-/// What a level holds, without owning it.
+/// The definitions of a level, without ownership.
 struct Parts {
     std::span<const Assembly> bodies;
     std::span<const CharacterDef> characters = {};
@@ -122,7 +122,7 @@ Result<Assembled> assemble_parts(World& world, const Parts& parts) {
     World trial = world.clone();
     if (const Status tried = create_level(trial, parts, ids); !tried) return tried.error();
     if (const Status made = create_level(world, parts, ids); !made)
-        return made.error(); // cannot be: the clone took it
+        return made.error(); // cannot happen: the clone accepted the level
     return ids;
 }
 

@@ -1,4 +1,4 @@
-// What World does with its inside: a tick, and what follows from a state that came from outside.
+// Functions over the data of a World: the tick, and the reset of derived data after a restore.
 #include "world/data.h"
 #include "base/poison.h"
 

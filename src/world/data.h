@@ -1,5 +1,5 @@
-// A world's inside: the state, and all that is kept beside it. Nobody but World sees the whole; phases and rooms are handed what
-// they read and write.
+// The data of a world: the state, and the derived data beside it. Only World has all of it; phases and other layers
+// receive the parts that they read and write.
 #pragma once
 
 #include "lockstone/world.h"
@@ -13,7 +13,7 @@ namespace lockstone::sim {
 
 struct Data : Model {
     Data(const WorldDef& def, const GameSchema& schema, std::shared_ptr<const AssetLibrary> assets);
-    Data(const Data& other); ///< the state; fresh scratch, no journal, no tasks
+    Data(const Data& other); ///< copies the state; scratch memory is new, without journal and tasks
 
     Scene scene() { return {*this, placed, query, hooks.tasks}; }
 
@@ -23,21 +23,22 @@ struct Data : Model {
     TickOutput output;
     TickHooks hooks;
     Journal* journal = nullptr;
-    std::vector<std::byte> written_row, canonical_row; ///< memory: of a game column, to be written, as it was
+    /// Scratch memory: a row of a game column to be written, and the row as it was.
+    std::vector<std::byte> written_row, canonical_row;
 };
 
-/// One tick, and the journal hears of it.
+/// Runs one tick, and reports it to the journal.
 void tick(Data& w);
-/// Checks a command, applies it and tells the journal. On error nothing has changed.
+/// Checks a command, applies it and reports it to the journal. On error nothing has changed.
 Result<World::Applied> apply(Data& w, const Command& command);
-/// Makes the contact points of the last tick, if they wait.
+/// Computes the contact points of the last tick, if that has not been done yet.
 void find_contact_points(Data& w);
-/// Memory ahead of need: World::reserve.
+/// Reserves memory ahead of need: World::reserve.
 Status reserve(Data& w, const WorldRows& rows);
-/// After the state was replaced from outside: what was derived from the one before it is forgotten, the last tick's output is gone.
+/// Resets derived data after the state was replaced from outside, and clears the output of the last tick.
 void forget_derived(Data& w);
-void tell_of_restore(const Data& w); ///< the journal, if there is one
-/// Fills all scratch that is written before it is read with a byte; caches stay.
+void tell_of_restore(const Data& w); ///< reports it to the journal, if there is one
+/// Overwrites all scratch memory that every tick writes before it reads it; caches keep their values.
 void poison_scratch(Data& w, std::byte with);
 
 } // namespace lockstone::sim

@@ -1,4 +1,4 @@
-// Segments, joints, and a pose carried from the pelvis outwards.
+// Creates ragdolls: segments, joints, and a pose that is computed from the pelvis outwards.
 #include "lockstone/play/ragdoll.h"
 
 #include "base/assert.h"
@@ -19,15 +19,15 @@ constexpr UnitVec3 axis_x{unit_one, Unit{}, Unit{}}, axis_z{Unit{}, Unit{}, unit
 
 // ---- the human ------------------------------------------------------------------------------------------------
 
-/// Lengths in heights of the whole, standing, from the ground between the feet.
+/// A segment of a standing human. Lengths in units of the human's height, from the ground between the feet.
 struct Segment {
     const char* name;
     Part parent;
-    Real mass;   ///< of the whole
-    Vec3 center; ///< of the segment: the body's origin
-    Vec3 joint;  ///< where it hangs on its parent
-    Vec3 half;   ///< half extents; of a capsule x is the radius and y half of its whole length
-    bool is_box; ///< rounded, else a capsule along y
+    Real mass;   ///< as a fraction of the human's mass
+    Vec3 center; ///< of the segment: the origin of its body
+    Vec3 joint;  ///< position of the joint to its parent
+    Vec3 half;   ///< half extents; of a capsule, x is the radius and y half of its whole length
+    bool is_box; ///< a rounded box; else a capsule along y
 };
 
 constexpr Segment segment(const char* name, Part parent, Real mass, Vec3 center, Vec3 joint, Vec3 half,
@@ -76,12 +76,12 @@ Geometry geometry_of(const Segment& s, Real height) {
 
 // ---- the joints -----------------------------------------------------------------------------------------------
 
-/// Angles in rad, torques in N m of a human of 75 kg and 1.8 m.
+/// Angles in rad; torques in N m, for a human of 75 kg and 1.8 m.
 struct Hold {
     bool is_hinge;
-    Real lower, upper; ///< of the hinge about x, of a ball its twist
+    Real lower, upper; ///< of a hinge: its angle about x; of a ball: its twist
     Real swing;        ///< of a ball: half angle of its cone
-    Vec3 tilt; ///< of a ball: the middle of the cone, turned about x and then z from the standing segment
+    Vec3 tilt; ///< of a ball: the axis of the cone, turned about x and then z from the standing segment
     Real friction;
 };
 
@@ -110,7 +110,8 @@ Hold hold_of(std::uint32_t part) {
     }
 }
 
-/// The frames of a joint against their bodies, which both stand as the human does. A ball's x runs along the segment.
+/// The axes of a joint's frames in its two bodies, for the standing human. The x axis of a ball joint runs along the
+/// segment.
 struct Turns {
     Quat a, b;
 };
@@ -140,9 +141,9 @@ JointDef joint_of(const RagdollDef& def, std::uint32_t part) {
     return joint;
 }
 
-// ---- making ---------------------------------------------------------------------------------------------------
+// ---- creation -------------------------------------------------------------------------------------------------
 
-/// A quaternion of zeros is no rotation. That of the pelvis is not read.
+/// Returns an error if a quaternion is zero, which is no rotation. Ignores the quaternion of the pelvis.
 std::string check(const RagdollPose& pose) {
     for (std::uint32_t part = 1; part < ragdoll_part_count; ++part)
         if (pose[part] == Quat{})
@@ -162,7 +163,7 @@ std::string check(const RagdollDef& def) {
     return check(def.pose);
 }
 
-/// Where each part is: every parent turned, the joints kept together.
+/// Computes the pose of each part from that of its parent, so that the joints stay together.
 std::array<Transform, ragdoll_part_count> places(const RagdollDef& def) {
     std::array<Transform, ragdoll_part_count> place{};
     const Quat facing = normalized(def.place.rotation);
@@ -183,7 +184,7 @@ Status make_part(World& world, const RagdollDef& def, std::uint32_t part, const 
     const Segment& s = segment_of(part);
     const Result<BodyId> body = world.create_body({.pose = place,
                                                    .linear_velocity = def.linear_velocity,
-                                                   .angular_damping = 0.5_r, // of what is soft
+                                                   .angular_damping = 0.5_r, // damping of soft tissue
                                                    .mass = s.mass * def.mass,
                                                    .user_key = def.user_key + part});
     if (!body) return body.error();
@@ -212,9 +213,10 @@ Result<Ragdoll> make_parts(World& world, const RagdollDef& def) {
     return made;
 }
 
-/// A world that refuses what this one would: empty where there is room for sure, else the same.
+/// A world for a trial run, which refuses what `world` would refuse: an empty one if `world` certainly has room, else
+/// a clone.
 Result<World> trial_of(const World& world) {
-    const WorldRows rows = world.capacity(); // at least as many as there are
+    const WorldRows rows = world.capacity(); // capacities, at least the present row counts
     const WorldDef& def = world.def();
     const auto has_room = [](std::uint32_t now, std::uint32_t most) {
         return most - now >= ragdoll_part_count;
@@ -224,7 +226,7 @@ Result<World> trial_of(const World& world) {
     return roomy ? World::create(def) : world.clone();
 }
 
-/// Axis times angle, the shorter way round.
+/// The axis times the angle, in the shorter direction.
 Vec3 rotation_vector(Quat q) {
     const AxisAngle turn = to_axis_angle(q);
     return to<Real>(turn.axis) * turn.angle;

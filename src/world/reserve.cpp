@@ -1,4 +1,4 @@
-// Memory ahead of need. No bit of the state, and no answer, depends on how much there is.
+// Reserves memory ahead of need. The capacity changes no bit of the state and no result.
 #include "base/text.h"
 #include "world/world_impl.h"
 

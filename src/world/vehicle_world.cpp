@@ -1,4 +1,4 @@
-// The members of World that are about vehicles.
+// World's members for vehicles.
 #include "base/assert.h"
 #include "lockstone/math/math.h"
 #include "world/world_impl.h"

@@ -1,4 +1,4 @@
-// World: the public face. Every mutator builds a command; reading goes straight to the columns.
+// World: the public face. Each mutator builds a command; readers read the columns directly.
 #include "lockstone/world.h"
 
 #include "base/assert.h"
@@ -16,17 +16,18 @@ namespace lockstone {
 
 using base::join;
 
-// ---- making ----------------------------------------------------------------------------------------------------
+// ---- creation --------------------------------------------------------------------------------------------------
 
 namespace {
 
-/// Identifies the definition and the assets of a world: State::can_restore compares it. Valid within this process only.
+/// Identifies the definition and the assets of a world; State::can_restore compares it. Valid within this process
+/// only.
 std::uint64_t origin_of(const WorldDef& def, const AssetLibrary& assets) {
     base::HashStream hash;
     const sim::Config config = sim::config_of(def);
     hash.add(std::as_bytes(std::span(&config, 1)));
     for (const AssetId id : assets.ids()) hash.add(id.value);
-    return hash.digest() | 1; // 0: a layout without an origin
+    return hash.digest() | 1; // 0 means a layout without an origin
 }
 
 } // namespace
@@ -52,7 +53,7 @@ Data::Data(const Data& other) : Data(other.def, other.schema, other.placed.solid
 } // namespace sim
 
 World::World(std::unique_ptr<Impl> i) : impl(std::move(i)) {}
-World::World(World&& other) noexcept : impl(std::move(other.impl)) {} // a life is an object's own
+World::World(World&& other) noexcept : impl(std::move(other.impl)) {} // each object has its own `life`
 World& World::operator=(World&& other) noexcept {
     impl = std::move(other.impl);
     return *this;
@@ -79,8 +80,9 @@ Result<World> World::create(const WorldDef& def, const GameSchema& schema,
 
 namespace {
 
-/// What one row costs the solver, the broad phase and the lists of a tick besides the state [bytes]; the attack `bombs`
-/// holds it against worlds with full tables and against crowds, whose pairs contacts_max bounds; tick/pairs.cpp.
+/// Memory that one row costs the solver, the broad phase and the lists of a tick, in addition to the state [bytes].
+/// The attack test `bombs` compares it with worlds whose tables are full, and with crowds, whose pairs contacts_max
+/// limits; tick/pairs.cpp.
 constexpr std::uint64_t per_body = 1024, per_shape = 6144, per_contact = 3072, per_joint = 4096,
                         per_character = 1024, per_vehicle = 8192, per_world = std::uint64_t{2} << 20;
 
@@ -93,8 +95,8 @@ Result<World::Memory> World::memory_of(const WorldDef& given, const GameSchema& 
     Memory memory{std::uint64_t{1} << 16, per_world};
     for (const ColumnInfo& column : manifest.layout->columns())
         memory.state += std::uint64_t{manifest.layout->tables()[column.table].rows_max} * column.row_size;
-    memory.state += memory.state / 64; // a version and a hash a page of 4 kB
-    memory.work += memory.state;       // the block that it leaves when it grows
+    memory.state += memory.state / 64; // a version and a hash for each page of 4 kB
+    memory.work += memory.state;       // while the block grows, the old one still exists
     memory.work += per_body * def.bodies_max + per_shape * def.shapes_max + per_contact * def.contacts_max +
                    per_joint * def.joints_max + per_character * def.characters_max +
                    per_vehicle * def.vehicles_max;
@@ -138,7 +140,7 @@ Result<JointId> World::create_joint(const JointDef& def) {
 }
 Result<JointId> World::create_joint(JointDef def, BodyId a, BodyId b, const Transform& at) {
     const auto frame_in = [&](BodyId body) {
-        if (!is_alive(body)) return at; // null is the world; what is dead is refused by the command
+        if (!is_alive(body)) return at; // a null body is the world; the command refuses a dead body
         const Transform p = pose(body);
         const Quat back = conjugate(p.rotation);
         return Transform{rotate(back, at.position - p.position), normalized(back * at.rotation)};
@@ -190,7 +192,7 @@ Status World::wake_body(BodyId body) { return status_of(apply(WakeBody{body})); 
 Status World::set_gravity(Vec3 gravity) { return status_of(apply(SetGravity{gravity})); }
 
 namespace {
-/// A column of the schema, with rows of this size: a Column<T> of another schema is a programmer's error.
+/// The entry of a game column with rows of this size. A Column<T> of another schema is a programmer's error.
 const GameSchema::Entry& game_column(const sim::Model& w, std::uint32_t column, std::size_t row_size) {
     LOCKSTONE_ASSERT(column < w.m.game.size(), "game column ", column, " of ", w.m.game.size());
     const GameSchema::Entry& entry = w.schema.entries()[column];
@@ -403,7 +405,7 @@ void World::restore(const Image& image) {
 std::vector<std::byte> World::save_portable() const { return impl->state.save_portable(); }
 
 namespace {
-/// A state from outside becomes the world's, if it can be one.
+/// Replaces the state of a world by one from outside, if the check accepts it.
 Status take_over(sim::Data& w, State&& loaded) {
     if (Status s = sim::check_state(w, w.placed.solids, loaded); !s) return s;
     w.state = std::move(loaded);

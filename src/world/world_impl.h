@@ -1,4 +1,5 @@
-// What World points to. Its members are in world.cpp and query.cpp.
+// The data to which World points. World's members are in world.cpp, world_query.cpp, world_character.cpp,
+// vehicle_world.cpp and reserve.cpp.
 #pragma once
 
 #include "base/assert.h"
@@ -9,7 +10,7 @@
 namespace lockstone {
 
 namespace sim {
-/// Row of a table that a caller has named.
+/// Returns a row that a caller has named; asserts that it exists.
 template <class T> const T& checked_row(std::span<const T> rows, std::uint32_t row, std::string_view what) {
     LOCKSTONE_ASSERT(row < rows.size(), what, " row ", row, " of ", rows.size());
     return rows[row];

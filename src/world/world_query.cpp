@@ -1,4 +1,4 @@
-// World's members that ask.
+// World's queries.
 #include "scene/query.h"
 #include "world/world_impl.h"
 

@@ -1,6 +1,6 @@
-// Pairs of overlapping leaves are kept from call to call; a call finds anew only the pairs of leaves that changed, by asking
-// the trees for each of those, then filters all pairs by exact bounds. Descending two trees at once looks at three times as
-// many nodes: most pairs of nodes with something new below them meet elsewhere.
+// The broad phase keeps pairs of overlapping leaves between calls. A call queries the trees only for leaves
+// that changed, then filters all pairs by exact bounds. Descending two trees at once visits three times as many
+// nodes: most pairs of nodes with a changed leaf below them overlap elsewhere.
 //
 // source: van den Bergen, Efficient Collision Detection of Complex Deformable Models using AABB Trees, 1997 (fat leaves)
 #include "collide/broad/broad_phase.h"
@@ -15,7 +15,7 @@ namespace lockstone::collide {
 
 using base::Path;
 
-/// Pairs of leaves, and leaves that changed, per piece of work that workers take.
+/// Work per chunk that a worker takes: pairs of leaves, and leaves that changed.
 static constexpr std::uint32_t overlaps_per_chunk = 1024, fresh_per_chunk = 16;
 
 BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin) : margin(leaf_margin) {
@@ -26,7 +26,7 @@ BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin) : margin
 
 void BroadPhase::grow(std::uint32_t proxy_capacity) {
     if (proxy_capacity <= entries.size()) return;
-    entries.reserve(proxy_capacity); // no more than that: whoever asks grows in steps
+    entries.reserve(proxy_capacity); // exactly this much: the caller already grows in steps
     entries.resize(proxy_capacity, absent);
     exact_bounds.reserve(proxy_capacity);
     exact_bounds.resize(proxy_capacity);
@@ -39,8 +39,9 @@ void BroadPhase::reserve(std::uint32_t proxies) {
         pairs->reserve(std::size_t{8} * proxies);
 }
 
-/// The bounds with the margin, and ahead by eight times the motion (at most twelve margins): a body that keeps its
-/// course leaves its leaf less often. Half as far costs more in all falling scenes.
+/// The bounds with the margin, extended ahead by eight times the motion (at most twelve margins): a body that
+/// moves on in its direction leaves its leaf less often. Four times the motion costs more in all falling
+/// scenes.
 Bounds BroadPhase::moving_leaf(const Vector3<Bound>& motion, const Bounds& exact) const {
     Bounds leaf = expand(exact, margin);
     const Bound limit = margin * 12;
@@ -195,8 +196,8 @@ bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_
     return true;
 }
 
-/// Those of `leaf_pairs` whose exact bounds overlap, which about half of them do. Each is written, and stays if it does: a branch
-/// would be taken by chance.
+/// Copies the pairs of `leaf_pairs` whose exact bounds overlap, which about half of them do. The loop writes
+/// every pair and advances only past those that overlap: a branch would be unpredictable.
 void BroadPhase::keep_overlaps(std::vector<ProxyPair>& out, Tasks* tasks) {
     if (merged.size() < leaf_pairs.size()) merged.resize(leaf_pairs.size());
     const Bounds* const exact = exact_bounds.data();
@@ -284,7 +285,7 @@ void BroadPhase::find_pairs_of(std::uint32_t proxy, const PairFilter& filter, st
     const Entry& entry = entries[proxy];
     if (!entry.present) return;
     const auto meets = [leaf = entry.leaf_bounds](const Bounds& other) { return overlap(other, leaf); };
-    // The lower of two that are fresh finds them.
+    // When both leaves are fresh, the proxy with the lower number adds the pair.
     const auto add = [&](std::uint32_t other) {
         if (other < proxy && entries[other].fresh) return;
         const ProxyPair pair = ordered(proxy, other);
@@ -328,7 +329,7 @@ bool BroadPhase::find_fresh_pairs(std::size_t found_max, const PairFilter& filte
 void BroadPhase::merge_found() {
     std::sort(found.begin(), found.end());
     const std::size_t most = leaf_pairs.size() + found.size();
-    // Both, as they change places: else it would depend on how often they did whether there is room.
+    // Both vectors, because they are swapped: else the number of swaps would decide when memory is allocated.
     base::make_room(merged, most), base::make_room(leaf_pairs, most);
     merged.resize(most);
     ProxyPair* end = merged.data();

@@ -1,7 +1,8 @@
-// Finds the pairs of proxies whose bounds overlap.
+// The broad phase: finds the pairs of proxies whose bounds overlap.
 //
-// A cache, never state: what it returns depends on the proxies' bounds and kinds alone, not on the order or number of
-// calls that set them, so it can be thrown away, rebuilt or left as it is at any tick.
+// It is a cache and not part of the state. The pairs it returns depend only on the bounds and kinds of the
+// proxies, not on the order or number of the calls that set them. It can therefore be discarded, rebuilt or
+// kept at any tick.
 #pragma once
 
 #include "base/assert.h"
@@ -23,11 +24,14 @@ struct ProxyPair {
     friend constexpr auto operator<=>(const ProxyPair&, const ProxyPair&) = default;
 };
 
-/// Which pairs are left out wherever the two are.
+/// Excludes pairs of proxies that never collide, at any positions.
 struct PairFilter {
-    /// Asked of two proxies when their leaves come to overlap, by several workers, and remembered; empty: all may meet
+    /// Called, possibly by several workers at once, for two proxies whose leaves begin to overlap. The broad
+    /// phase caches the result. Empty: every pair may collide.
     std::function<bool(ProxyPair)> may_meet;
-    bool is_new = false; ///< it may say otherwise than in the last call: what was remembered is asked again
+    /// The filter may return other results than in the last call: the broad phase calls it again for all cached
+    /// pairs.
+    bool is_new = false;
 
     bool allows(ProxyPair pair) const { return !may_meet || may_meet(pair); }
 };
@@ -36,22 +40,25 @@ inline constexpr Bound leaf_margin_default = decimal<Bound>("0.1"); ///< [m] whi
 
 class BroadPhase {
   public:
-    /// Proxies are numbers below `proxy_capacity` (asserted); memory for them is taken here, as by `reserve`. `margin` is
-    /// how far the leaves of moving proxies reach beyond their bounds: larger means fewer tree updates and more pairs to
-    /// filter.
+    /// Proxies are numbers below `proxy_capacity` (asserted). The constructor allocates memory for all of them,
+    /// as `reserve` does. `margin`: the leaves of moving proxies extend beyond their bounds by this much. A
+    /// larger margin means fewer tree updates and more pairs to filter.
     explicit BroadPhase(std::uint32_t proxy_capacity, Bound margin = leaf_margin_default);
 
-    /// Proxies may be numbers below `proxy_capacity` from now on, if that is more than before.
+    /// Raises the capacity for proxy numbers to `proxy_capacity`. Does nothing when the capacity is already as
+    /// large.
     void grow(std::uint32_t proxy_capacity);
-    /// Takes memory for trees and pairs of so many proxies ahead of the calls that need it.
+    /// Allocates memory for the trees and pairs of this many proxies, before the calls that need it.
     void reserve(std::uint32_t proxies);
 
-    /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf. `motion`: how far
-    /// it will go by the next call, as far as is known; zero: as far as since the last one.
+    /// Inserts or moves a proxy, or changes its kind. Cheap while the bounds stay within the leaf. `motion`:
+    /// the expected displacement until the next call; zero: the displacement since the last call is used
+    /// instead.
     void set(std::uint32_t proxy, const Bounds& exact, bool is_static, const Vector3<Bound>& motion = {}) {
         if (is_static || !move_within(proxy, exact)) set_leaf(proxy, exact, is_static, motion);
     }
-    /// Moves a proxy that is there, is not static and stays within its leaf. False: it is otherwise, and nothing was done.
+    /// Moves a proxy that is present, is not static and stays within its leaf. Returns false and changes
+    /// nothing otherwise.
     bool move_within(std::uint32_t proxy, const Bounds& exact) {
         LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
         Entry& entry = entries[proxy];
@@ -59,49 +66,51 @@ class BroadPhase {
         exact_bounds[proxy] = exact;
         return true;
     }
-    /// Does nothing for a proxy that is not there.
+    /// Does nothing for a proxy that is not present.
     void remove(std::uint32_t proxy);
     bool contains(std::uint32_t proxy) const { return proxy < entries.size() && entries[proxy].present; }
     void clear();
 
-    /// All pairs, not both static, whose exact bounds overlap (touching counts) and that `filter` allows, sorted by (a, b).
-    /// Costs what moved out of its leaf since the last call, and a test for each pair of overlapping leaves. False, and
-    /// nothing found, when more than `leaf_pairs_max` leaves overlap: then the next call finds all pairs anew.
+    /// Writes all pairs, not both static, whose exact bounds overlap (touching counts) and that `filter`
+    /// allows, sorted by (a, b). The cost grows with the proxies that left their leaf since the last call, plus
+    /// one test for each pair of overlapping leaves. Returns false and an empty list when more than
+    /// `leaf_pairs_max` pairs of leaves overlap. The next call then searches for all pairs again.
     bool find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max = SIZE_MAX,
                     const PairFilter& filter = {}, Tasks* tasks = nullptr);
-    /// For crowds, in which the pairs are too many to be listed: the first `count_max` of all pairs that
-    /// `is_wanted`. The trees have to be up to date (asserted), as they are after `find_pairs`.
+    /// For crowds with too many pairs for a list: writes the first `count_max` of all pairs for which
+    /// `is_wanted` returns true. The trees must be up to date (asserted), as they are after `find_pairs`.
     void find_first_pairs(std::vector<ProxyPair>& out, std::size_t count_max,
                           const std::function<bool(ProxyPair)>& is_wanted);
 
-    /// All proxies whose exact bounds overlap, sorted.
+    /// Writes all proxies whose exact bounds overlap `bounds`, sorted.
     void query(const Bounds& bounds, std::vector<std::uint32_t>& out);
-    /// All proxies whose exact bounds a moving box may meet, sorted.
+    /// Writes all proxies whose exact bounds the moving box may meet, sorted.
     void query(const SweptBox& box, std::vector<std::uint32_t>& out);
 
-    /// What one of several that ask at once needs for itself.
+    /// Memory for one of several concurrent queries.
     struct Asker {
         std::vector<BoundsTree::NodeId> open;
-        std::vector<std::uint32_t> proxies; ///< the answer
+        std::vector<std::uint32_t> proxies; ///< the result of the query
     };
-    /// As above, which several may ask at once: the trees have to be up to date (asserted).
+    /// As above, but safe for concurrent calls with one `Asker` each. The trees must be up to date (asserted).
     void query(const SweptBox& box, Asker& asker) const;
     void query(const Bounds& bounds, Asker& asker) const;
-    /// The same of static proxies alone.
+    /// As above, for static proxies only.
     void query_static(const SweptBox& box, Asker& asker) const;
-    /// Brings the trees up to date with the proxies that were set.
+    /// Applies all calls of `set` and `remove` to the trees.
     void update_trees();
 
-    // ---- for tests: another history of the same proxies; nothing that is asked for later changes ----
-    /// Trees of other shapes: each leaf inserted in random order, or wholly at random. All pairs are found anew.
+    // ---- for tests: give the same proxies another history; no later result changes ----
+    /// Rebuilds both trees in other shapes: inserts each leaf in random order, or splits at random. The next
+    /// call searches for all pairs again.
     void rebuild_trees(Random& random);
-    /// Forgets the pairs of about half of the proxies, chosen at random.
+    /// Drops the cached pairs of about half of the proxies, chosen at random, and rebuilds both trees at random.
     void forget_pairs(Random& random);
 
-    /// The paths that calls took since they were last cleared.
+    /// Counts which code paths the calls took since the counters were last cleared.
     base::Paths paths;
 
-    /// Of a proxy that is there.
+    /// The exact bounds of a proxy that is present.
     const Bounds& bounds(std::uint32_t proxy) const { return exact_bounds[proxy]; }
 
   private:
@@ -109,14 +118,15 @@ class BroadPhase {
         Bounds leaf_bounds;
         BoundsTree::NodeId leaf;
         bool present, is_static;
-        bool in_fixed; ///< where `leaf` is
-        bool moved;    ///< the tree does not know of its leaf bounds yet
-        bool stays;    ///< while trees are updated: in its place there
-        bool fresh;    ///< `leaf_pairs` does not know of its leaf yet
+        bool in_fixed; ///< the tree that holds `leaf`: `fixed` or `moving`
+        bool moved;    ///< the tree does not have its current leaf bounds yet
+        bool stays;    ///< while the trees are updated: the leaf keeps its place in its tree
+        bool fresh;    ///< dirty flag: `leaf_pairs` does not reflect its leaf yet
     };
     static constexpr Entry absent{Bounds{}, BoundsTree::none, false, false, false, false, false, false};
 
-    /// The proxies of which `may_meet` holds, found by what holds of a tree's nodes.
+    /// Writes the proxies whose exact bounds pass `may_meet`, sorted. Skips the subtrees whose bounds fail
+    /// `may_meet_node`.
     template <class MayMeetNode, class MayMeet>
     void query_if(MayMeetNode&& may_meet_node, MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& open,
                   std::vector<std::uint32_t>& out) const;
@@ -128,48 +138,55 @@ class BroadPhase {
         if (!entry.fresh) changed.push_back(proxy);
         entry.moved = entry.fresh = true;
     }
-    /// Whether the leaf of a proxy may stay where it is in a tree, and take other bounds there.
+    /// True when the proxy's leaf may keep its place in its tree and only take other bounds.
     bool may_stay(const Entry& entry) const;
-    void move_leaves(bool is_fixed, std::uint32_t count); ///< of those that stay, which are so many
+    /// Writes the bounds of the leaves that keep their place; `count` is their number.
+    void move_leaves(bool is_fixed, std::uint32_t count);
     void rebuild(bool is_fixed);
-    void take_leaves(bool is_fixed); ///< of a tree that is up to date
-    void note_leaves(bool is_fixed); ///< where they are in a tree that was made anew
+    /// Copies the leaves of an up-to-date tree to `leaves`.
+    void take_leaves(bool is_fixed);
+    /// Stores the leaf of each proxy after a tree was rebuilt.
+    void note_leaves(bool is_fixed);
     void make_fresh(std::uint32_t proxy);
     void insert_moved(bool is_fixed);
     BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
     const BoundsTree& tree_of(bool is_fixed) const { return is_fixed ? fixed : moving; }
     bool is_fresh(ProxyPair pair) const { return entries[pair.a].fresh || entries[pair.b].fresh; }
-    /// Those of leaves that changed. False when there are more than `found_max`.
+    /// Finds the pairs of all leaves that changed. Returns false when there are more than `found_max`.
     bool find_fresh_pairs(std::size_t found_max, const PairFilter& filter, Tasks* tasks);
-    /// Those of one leaf, added at the ends; `own` is scratch.
+    /// Appends the pairs of one leaf to `allowed` and `forbidden`; `own` is scratch.
     void find_pairs_of(std::uint32_t proxy, const PairFilter& filter, std::vector<ProxyPair>& allowed,
                        std::vector<ProxyPair>& forbidden, std::vector<BoundsTree::NodeId>& own) const;
     bool find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other, Tasks* tasks);
-    void ask_again(const PairFilter& filter); ///< of all pairs but those of fresh leaves
-    void merge_found();                       ///< in place of the pairs of fresh leaves
+    /// Runs the filter again for all cached pairs except those of fresh leaves.
+    void ask_again(const PairFilter& filter);
+    /// Replaces the cached pairs of fresh leaves by the pairs found.
+    void merge_found();
     void keep_overlaps(std::vector<ProxyPair>& out, Tasks* tasks);
 
-    std::vector<Entry> entries;       // by proxy
-    std::vector<Bounds> exact_bounds; // likewise: all that is asked of most pairs of leaves in a tick
+    std::vector<Entry> entries; // by proxy
+    // By proxy, apart from `entries`: most tests of leaf pairs in a tick read only this.
+    std::vector<Bounds> exact_bounds;
     BoundsTree moving, fixed;
     Bound margin;
     std::vector<std::uint32_t> moved;   // since the trees were updated
     std::vector<std::uint32_t> changed; // since the pairs were found
-    std::vector<ProxyPair> leaf_pairs;  // whose leaves overlap, sorted: a superset of the answer
-    std::vector<ProxyPair> barred;      // likewise of those that may not meet, in no order
+    std::vector<ProxyPair> leaf_pairs;  // pairs of overlapping leaves, sorted: a superset of the result
+    std::vector<ProxyPair> barred;      // pairs of overlapping leaves that the filter excludes, unsorted
     bool is_filtered = false;           // the last call had a filter
-    bool gave_up = false;               // the pairs of leaves were too many, and are not known
+    bool gave_up = false; // the last call found too many leaf pairs, so the cached pairs are invalid
     // scratch
     std::vector<ProxyPair> found, merged;
     std::vector<BoundsTree::NodeId> open;
     std::vector<BoundsTree::Leaf> leaves;
-    /// Of some leaves that changed, as a worker finds them.
+    /// The pairs that one worker finds for a chunk of the changed leaves.
     struct FreshPairs {
         std::vector<ProxyPair> found, barred;
         std::vector<BoundsTree::NodeId> open;
     };
     std::vector<FreshPairs> fresh_of_chunk;
-    std::vector<std::uint32_t> kept_of_chunk; // pairs of `merged`, while they are shared out
+    // For each chunk: how many pairs of `merged` overlap.
+    std::vector<std::uint32_t> kept_of_chunk;
 };
 
 } // namespace lockstone::collide

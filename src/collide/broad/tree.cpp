@@ -81,14 +81,15 @@ void BoundsTree::remove(NodeId leaf) {
     refit_up(above);
 }
 
-/// Descends to where the new leaf adds least surface. Stops where making a sibling of the node itself is cheaper than
-/// the least that either child could add.
+/// Descends to where the new leaf adds least surface. Stops at a node when a new parent above it costs less
+/// than the least that either child could add.
 BoundsTree::NodeId BoundsTree::best_sibling(const Bounds& bounds) const {
     NodeId id = top;
     while (!node(id).is_leaf()) {
         const Node& n = node(id);
         const std::int64_t merged = half_area(merge(n.bounds, bounds));
-        const std::int64_t inherited = merged - half_area(n.bounds); // what every node from here up grows by
+        // Growth of each node from here to the root.
+        const std::int64_t inherited = merged - half_area(n.bounds);
         std::int64_t cost[2];
         for (int side = 0; side < 2; ++side) {
             const Node& child = node(n.child[side]);
@@ -128,8 +129,8 @@ void BoundsTree::refit_up(NodeId id) {
     }
 }
 
-/// Swaps a child with a child of the other child when that shrinks the other child most; the node itself keeps its
-/// leaves, so only one node's surface changes.
+/// Swaps a child with a grandchild below the other child, where that reduces the other child's surface most.
+/// The node itself keeps its leaves, so only one node's surface changes.
 void BoundsTree::rotate(NodeId id) {
     const Node& n = at(id);
     std::int64_t best_gain = 0;
@@ -200,7 +201,7 @@ void BoundsTree::set_leaf(NodeId leaf, const Bounds& bounds) { at(leaf).bounds =
 
 void BoundsTree::refit() { merge_all(); }
 
-/// A node comes before its children.
+/// Creates each node before its children.
 template <class Split> void BoundsTree::rebuild_by(std::vector<Leaf>& leaves, Split&& split) {
     clear();
     leaf_total = static_cast<std::uint32_t>(leaves.size());
@@ -221,7 +222,7 @@ template <class Split> void BoundsTree::rebuild_by(std::vector<Leaf>& leaves, Sp
             continue;
         }
         at(id).parent = r.parent;
-        at(id).child[0] = id; // not a leaf; its children fill this in
+        at(id).child[0] = id; // marks an inner node; its children overwrite this
         const std::uint32_t middle = static_cast<std::uint32_t>(split(begin, end) - leaves.data());
         ranges.push_back({r.begin, middle, id, 0});
         ranges.push_back({middle, r.end, id, 1});

@@ -1,7 +1,7 @@
-// A binary tree of bounds with one leaf per proxy, changed leaf by leaf or rebuilt as a whole.
+// A binary tree of bounds with one leaf per proxy. Leaves change one by one, or the whole tree is rebuilt.
 //
-// Its shape depends on history and on nothing else may that show: callers filter what it yields by exact bounds and
-// sort it.
+// The shape of the tree depends on history. No result may: callers filter the leaves it visits by exact bounds
+// and sort them.
 #pragma once
 
 #include "collide/bounds.h"
@@ -35,24 +35,27 @@ class BoundsTree {
 
     void reserve(std::uint32_t leaves);
 
-    /// A leaf where it makes the tree grow least.
+    /// Inserts a leaf where it adds least surface to the tree.
     NodeId insert(const Bounds& bounds, std::uint32_t proxy);
     void remove(NodeId leaf);
     void clear();
-    /// A balanced tree of these leaves in place of what there was; reorders `leaves`. Ids of leaves change: see
-    /// `for_each_leaf`. For n leaves it costs about as much as n / 16 insertions and removals.
+    /// Replaces the whole tree by a balanced tree of these leaves, and reorders `leaves`. Ids of leaves change:
+    /// see `for_each_leaf`. For n leaves it costs about as much as n / 16 insertions and removals.
     void rebuild(std::vector<Leaf>& leaves);
-    /// Whether its nodes have spread by no more than a quarter since rebuild(): then leaves may move where they are.
+    /// True while the surface of the nodes has grown by at most a quarter since rebuild(): leaves may then keep
+    /// their place when they move.
     bool is_tight() const { return area_max > 0 && area <= area_max; }
-    /// Other bounds of a leaf, and of the nodes above it. Costs about a twentieth of removing and inserting it.
+    /// Changes the bounds of a leaf and of its ancestors. Costs about a twentieth of a removal and an
+    /// insertion.
     void move(NodeId leaf, const Bounds& bounds);
-    /// Whether no leaf has come or gone since rebuild(): then set_leaf() and refit() may take the place of many moves.
+    /// True while no leaf was inserted or removed since rebuild(): set_leaf() and refit() may then replace many
+    /// moves.
     bool can_refit() const { return is_ordered; }
-    /// Other bounds of a leaf; refit() is to follow.
+    /// Changes the bounds of a leaf only; the caller must call refit() afterwards.
     void set_leaf(NodeId leaf, const Bounds& bounds);
-    /// The nodes above all leaves, in place. For n leaves it costs about as much as n / 8 moves.
+    /// Recomputes the bounds of all inner nodes in place. For n leaves it costs about as much as n / 8 moves.
     void refit();
-    /// A tree of them that has any shape, and neighbours that lie anywhere: for tests.
+    /// For tests: a tree of these leaves with random shape and random neighbours.
     void rebuild_at_random(std::vector<Leaf>& leaves, Random& random);
 
     NodeId root() const { return top; }
@@ -60,20 +63,21 @@ class BoundsTree {
 
     std::uint32_t leaf_count() const { return leaf_total; }
 
-    /// Calls visit(id, node) for every leaf, in no order.
+    /// Calls visit(id, node) for every leaf, in no particular order.
     template <class Visit> void for_each_leaf(Visit&& visit) const {
         for (std::size_t i = 0; i < nodes.size(); ++i)
             if (nodes[i].is_leaf() && nodes[i].parent != free_mark) visit(static_cast<NodeId>(i), nodes[i]);
     }
-    /// Calls visit(proxy) for every leaf where may_meet(bounds) holds of it and of all nodes above, in the tree's order.
-    /// `open` is the caller's memory: several may ask at once, each with its own.
+    /// Calls visit(proxy) for every leaf for which may_meet(bounds) is true, for the leaf and all its
+    /// ancestors, in the tree's order. `open` is scratch memory of the caller: concurrent queries are safe,
+    /// each with its own.
     template <class MayMeet, class Visit>
     void query_if(MayMeet&& may_meet, std::vector<NodeId>& open, Visit&& visit) const;
 
   private:
     static constexpr NodeId free_mark = -2;
 
-    struct Range { // of leaves, whose subtree belongs under `parent`
+    struct Range { // a range of leaves whose subtree becomes a child of `parent`
         std::uint32_t begin, end;
         NodeId parent;
         int side;
@@ -83,22 +87,26 @@ class BoundsTree {
     NodeId take_node();
     void free_node(NodeId id);
     NodeId best_sibling(const Bounds& bounds) const;
-    /// Recomputes bounds from `id` to the top, rotating where that makes the tree tighter.
+    /// Recomputes bounds from `id` up to the root, and rotates where that makes the tree tighter.
     void refit_up(NodeId id);
     void merge_children(NodeId id);
-    void set_bounds(Node& n, const Bounds& bounds); ///< of a node that is no leaf
-    void merge_all();                               ///< where each node comes before its children
+    void set_bounds(Node& n, const Bounds& bounds); ///< for inner nodes; keeps `area` up to date
+    void merge_all(); ///< recomputes all inner nodes; requires each node to precede its children
     void rotate(NodeId id);
     void swap_with_grandchild(NodeId id, int side, int grandchild);
-    /// split(first, last) may reorder the leaves from `first` to before `last`, and returns where the second child begins.
+    /// Builds the tree top down. split(first, last) may reorder the leaves in [first, last), and returns the
+    /// start of the second child's leaves.
     template <class Split> void rebuild_by(std::vector<Leaf>& leaves, Split&& split);
 
     std::vector<Node> nodes;
-    NodeId top = none, free_list = none; // a free node has the mark as parent, and the next one as child[1]
+    // A free node has `free_mark` as parent, and the next free node as child[1].
+    NodeId top = none, free_list = none;
     std::uint32_t leaf_total = 0;
-    bool is_ordered = false; ///< each node comes before its children
+    bool is_ordered = false; ///< each node precedes its children in `nodes`
     std::int64_t area = 0,
-                 area_max = 0; ///< half the surfaces of all nodes above leaves, in units of 2^22 square steps
+                 /// Half the surface of all inner nodes, and its limit in is_tight(), in units of 2^22 square
+        /// steps.
+        area_max = 0;
     std::vector<Range> ranges; // scratch
 };
 

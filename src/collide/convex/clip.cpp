@@ -13,10 +13,10 @@ constexpr int points_max = 2 * corners_max;
 constexpr std::uint8_t side_lines =
     corners_max; ///< lines below are incident edges, from here on reference sides
 
-/// Corners beyond a side by no more than this are kept, so that the corners of equal faces are not cut by roundings.
+/// Corners outside of a side by at most this are kept, so that roundings do not cut the corners of equal faces.
 constexpr std::int64_t slack_30 = std::int64_t{1} << 10; // 1 um
 
-/// The reference plane: coordinates in it and heights above it along the contact's normal.
+/// The reference plane: coordinates in the plane, and heights above it along the contact's normal.
 class Plane {
   public:
     Plane(const SupportingFace& face, Long3 direction)
@@ -38,7 +38,7 @@ class Plane {
         d = d - times_unit(along, height);
         return {dot_unit(d, p), dot_unit(d, q), height, 0, 0};
     }
-    /// In the working frame.
+    /// A point of the plane in the working frame.
     Long3 place(std::int64_t x, std::int64_t y) const {
         const auto part = [&](int i) {
             return origin[i] + narrow_rounded(Wide::product(p[i], x) + Wide::product(q[i], y), 30);
@@ -52,7 +52,7 @@ class Plane {
     bool is_straight;
 };
 
-/// A polygon, or the line of two points when it is open, with coordinates in steps of 2^shift.
+/// A polygon, or a segment of two points when it is open. Coordinates are in steps of 2^shift.
 struct Polygon {
     ClipPoint points[points_max];
     int count;
@@ -66,7 +66,7 @@ ClipPoint between(const ClipPoint& a, const ClipPoint& b, std::int64_t part_30) 
     return {mix(a.p, b.p), mix(a.q, b.q), mix(a.height, b.height), 0, 0};
 }
 
-/// Keeps what lies to the left of the side from `from` to `to`. Coordinates are within 2^29.
+/// Keeps the part to the left of the side from `from` to `to`. Coordinates are within 2^29.
 void clip_side(Polygon& polygon, const ClipPoint& from, const ClipPoint& to, std::uint8_t line,
                std::int64_t slack) {
     const std::int64_t ep = to.p - from.p, eq = to.q - from.q;
@@ -98,7 +98,7 @@ void clip_side(Polygon& polygon, const ClipPoint& from, const ClipPoint& to, std
     polygon.count = n;
 }
 
-/// Brings the coordinates of two polygons to at most 2^29 and returns the bits dropped.
+/// Scales the coordinates of two polygons down to at most 2^29 and returns the number of bits dropped.
 int scale_down(Polygon& one, Polygon& other) {
     std::int64_t most = 0;
     const auto each = [&](auto&& visit) {
@@ -114,7 +114,7 @@ int scale_down(Polygon& one, Polygon& other) {
     return excess;
 }
 
-/// The names of what meets in a corner of the clipped polygon.
+/// The name of the features that meet in a corner of the clipped polygon.
 std::uint32_t name_of(const ClipPoint& x, bool reference_is_b, const SupportingFace& reference,
                       const SupportingFace& incident) {
     const auto edge = [](const SupportingFace& f, int k) {
@@ -126,7 +126,8 @@ std::uint32_t name_of(const ClipPoint& x, bool reference_is_b, const SupportingF
         const std::uint32_t id = incident.ids[x.line_out];
         return reference_is_b ? corner_of_a(id) : corner_of_b(id);
     }
-    if (low >= side_lines) { // the sides before and behind a corner; others meet where a corner was cut off
+    // Two adjacent sides name their corner; other sides meet where a corner was cut off.
+    if (low >= side_lines) {
         const int first = low - side_lines, second = high - side_lines;
         const int corner = second == first + 1 ? second : first;
         const std::uint32_t id = reference.ids[corner];

@@ -1,7 +1,8 @@
-// Convex cores: placing them, and their support mapping.
+// Convex cores: their placement, and their support mapping.
 //
-// source: van den Bergen, Collision Detection in Interactive 3D Environments, 4.3 (support mappings); hill climbing on
-// a hull: Gottschalk, Lin, Manocha, 1996; it ends at the furthest corner as the surface is exactly convex.
+// source: van den Bergen, Collision Detection in Interactive 3D Environments, 4.3 (support mappings); hill
+// climbing on a hull: Gottschalk, Lin, Manocha, 1996. Hill climbing ends at the furthest corner because the
+// hull is exactly convex.
 #include "collide/core.h"
 
 #include "base/assert.h"
@@ -10,7 +11,7 @@
 namespace lockstone::collide {
 namespace {
 
-constexpr std::size_t hull_scan_max = 24; ///< corners up to which all are looked at
+constexpr std::size_t hull_scan_max = 24; ///< hulls with at most so many corners test all of them
 
 Long3 absolute3(Long3 a) { return {absolute(a[0]), absolute(a[1]), absolute(a[2])}; }
 
@@ -115,7 +116,7 @@ Core::Extent Core::extent() const {
     return found;
 }
 
-/// Furthest on the rim of a disc about y with x = z radius, from the disc's centre.
+/// The point furthest along a direction on the rim of a disc around y (x = z radius), from the disc's centre.
 Long3 Core::support_rim(Long3 direction) const {
     const Long3 flat =
         with_bits({dot(shape->axes_30[0], direction), 0, dot(shape->axes_30[2], direction)}, 31);
@@ -137,7 +138,8 @@ static std::uint32_t furthest(const shapes::Hull& hull, const shapes::SupportKer
     return kernel.furthest(hull.lanes.data(), static_cast<std::uint32_t>(hull.lanes.size() / 3), direction);
 }
 
-/// Uphill from one corner to the next. |local| <= 2^32 and |v| < 2^8 m = 2^32 steps; components of v are below 2^31.
+/// Hill climbing from corner to corner. |local| <= 2^32, |v| < 2^8 m = 2^32 steps, and components of v are
+/// below 2^31.
 static std::uint32_t climb(const shapes::Hull& hull, const Long3& local, std::uint32_t corner) {
     const auto along = [&](std::uint32_t k) { return dot(local, raw(hull.vertices[k])); };
     std::int64_t most = along(corner);
@@ -152,7 +154,8 @@ static std::uint32_t climb(const shapes::Hull& hull, const Long3& local, std::ui
     }
 }
 
-/// The first of the furthest corners. By masks: which corner is further is as good as chance, and a branch would be guessed wrong.
+/// The first of the furthest corners. Uses masks: the comparison is unpredictable, so a branch would be
+/// mispredicted often.
 static std::uint32_t scan(const shapes::Hull& hull, const Long3& local) {
     const auto along = [&](std::uint64_t k) { return dot(local, raw(hull.vertices[k])); };
     std::uint64_t best = 0, most = static_cast<std::uint64_t>(along(0));
@@ -166,7 +169,7 @@ static std::uint32_t scan(const shapes::Hull& hull, const Long3& local) {
     return static_cast<std::uint32_t>(best);
 }
 
-/// The search begins at `corner` and leaves it where it ends.
+/// Starts the search at `corner` and stores the corner found there.
 static inline SupportPoint support_of_hull(const Convex& shape, const Long3& direction,
                                            std::uint32_t& corner) {
     const shapes::Hull& hull = *shape.hull;

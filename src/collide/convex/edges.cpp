@@ -1,4 +1,4 @@
-// The edge or corner of a convex core that lies furthest along a direction.
+// Finds the edge or corner of a convex core that is furthest along a direction.
 #include "collide/manifold.h"
 
 #include <algorithm>
@@ -6,10 +6,10 @@
 namespace lockstone::collide {
 namespace {
 
-/// An edge is at right angles to the direction when the sine of what is missing is below this, 30 fraction bits.
+/// An edge counts as perpendicular to the direction when the sine of its slope is below this, 30 fraction bits.
 constexpr std::int64_t sine_max_30 = std::int64_t{1} << 24; // 1/64
 
-/// How far `to` drops behind `from` along the direction, over their distance: 30 fraction bits.
+/// Sine of the slope from `from` down to `to`, measured against the direction; 30 fraction bits.
 std::int64_t drop_sine(Long3 from, Long3 to, Long3 direction) {
     const Direction d = direction_of_30(from - to);
     return shift_right_rounded(dot(d.unit, direction), 30);
@@ -20,7 +20,7 @@ void add(SupportingFace& face, Long3 at, std::uint32_t id) {
     face.ids[face.count++] = id;
 }
 
-/// The corner and, where one of its neighbours is as far along the direction within the angle, that neighbour.
+/// The furthest corner, and the neighbour whose edge has the least slope, if that is below the limit.
 class BestEdge {
   public:
     BestEdge(const SupportPoint& corner, Long3 direction)
@@ -32,8 +32,8 @@ class BestEdge {
         if (sine >= least) return;
         least = sine, best_30 = neighbour, best_id = neighbour_id, found = true;
     }
-    void
-    finish(SupportingFace& face) const { // the lower name first, so that it does not matter which end leads
+    // The lower id first, so that the result does not depend on which end was found first.
+    void finish(SupportingFace& face) const {
         const bool swapped = found && best_id < id;
         if (swapped) add(face, best_30, best_id);
         add(face, corner_30, id);
@@ -42,8 +42,8 @@ class BestEdge {
     }
 
   private:
-    /// Surely by more than the angle, as most do: told without a root. A length is at most its widest component and half
-    /// of the others.
+    /// True when the slope is certainly above the limit, as for most neighbours. Needs no root: a length is at
+    /// most the widest component plus half of the others.
     bool drops_far(Long3 neighbour) const {
         const Long3 d = shifted(corner_30 - neighbour, 6); // 24 fraction bits
         const std::int64_t wide = widest(d);

@@ -1,10 +1,11 @@
 // Penetration depth: the expanding polytope, with exact planes.
 //
-// The polytope is the hull of some vertices of the difference A - B and holds the origin. Its face nearest to the
-// origin is pushed out to the difference's furthest vertex along the face's normal, until there is none beyond it.
-// Whether a vertex is beyond a face is the sign of an integer, so the polytope is convex at every step, a horizon is
-// one closed loop, and no face is ever degenerate: an edge of the horizon has a face to which the vertex is strictly
-// beyond. Only the order of the faces, by distance, is rounded.
+// The polytope is the hull of some vertices of the difference A - B and contains the origin. Each step expands
+// its face nearest to the origin to the difference's furthest vertex along the face's normal, until no vertex
+// is beyond the face. The sign of an integer decides whether a vertex is beyond a face. So the polytope is
+// convex at every step, a horizon is one closed loop, and no face is ever degenerate: each edge of the horizon
+// belongs to a face that the vertex is strictly beyond. Only the order of the faces, by distance, is subject to
+// rounding.
 //
 // source: van den Bergen, Proximity Queries and Penetration Depth Computation on 3D Game Objects, GDC 2001.
 #include "collide/core.h"
@@ -25,7 +26,7 @@ struct Face {
     std::uint8_t beside[3]; ///< the face across the edge from corner k to corner k + 1
     bool alive;
     Long3 normal;          ///< exact
-    Long3 direction;       ///< the same with 31 bits
+    Long3 direction;       ///< `normal` reduced to 31 bits
     std::int64_t length;   ///< of `direction`
     std::int64_t distance; ///< of the plane from the origin, `fraction` bits of a step
     static constexpr int fraction = 16;
@@ -33,13 +34,13 @@ struct Face {
 
 class Polytope {
   public:
-    /// A tetrahedron that is not flat.
+    /// Starts from a tetrahedron, which must not be flat.
     explicit Polytope(const Vertex (&v)[4]);
 
     const Face& face(int f) const { return faces[f]; }
     const Vertex& vertex(int v) const { return vertices[v]; }
     int nearest() const;
-    /// Whether w lies beyond the plane of a face.
+    /// True when w is beyond the plane of a face.
     bool is_beyond(const Face& f, const Long3& w) const {
         return Wide::from(0) < wide_dot(f.normal, w - vertices[f.corner[0]].w);
     }
@@ -47,14 +48,14 @@ class Polytope {
         for (int f = 0; f < face_count; ++f)
             if (faces[f].alive) visit(faces[f]);
     }
-    /// Takes in a vertex beyond `face`. False when there is no more room.
+    /// Adds a vertex beyond `face`. Returns false when the polytope is full.
     bool add(const Vertex& v, int face);
 
   private:
     struct HorizonEdge {
-        std::uint8_t from, to; ///< as the dead face had it
-        std::uint8_t outer;    ///< the living face beside it
-        std::uint8_t side;     ///< and which of its edges that is
+        std::uint8_t from, to; ///< in the order of the removed face
+        std::uint8_t outer;    ///< the remaining face across the edge
+        std::uint8_t side;     ///< the number of the edge in that face
     };
     void find_horizon(const Long3& w, int face);
     void set_plane(Face& f);
@@ -89,7 +90,7 @@ Polytope::Polytope(const Vertex (&v)[4]) {
     for (const Vertex& x : v) vertices[vertex_count++] = x;
     const Long3 &a = v[0].w, &b = v[1].w, &c = v[2].w, &d = v[3].w;
     if (!wide_dot(cross(b - a, c - a), d - a).is_negative()) std::swap(vertices[1], vertices[2]);
-    // Now 0 1 2 looks away from 3. Faces 1..3 stand on its edges.
+    // Now face 0 1 2 is turned away from vertex 3. Faces 1..3 share its edges.
     constexpr std::uint8_t corners[4][3] = {{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}};
     constexpr std::uint8_t beside[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
     for (int f = 0; f < 4; ++f) {
@@ -98,7 +99,7 @@ Polytope::Polytope(const Vertex (&v)[4]) {
     }
 }
 
-/// The face nearest to the origin; of several the one of the lowest number.
+/// The face nearest to the origin; of several the one with the lowest number.
 int Polytope::nearest() const {
     int best = -1;
     for (int f = 0; f < face_count; ++f)
@@ -106,7 +107,7 @@ int Polytope::nearest() const {
     return best;
 }
 
-/// Removes the faces that see w and collects the edges around them.
+/// Removes the faces that w is beyond, and collects the edges around them.
 void Polytope::find_horizon(const Long3& w, int first) {
     int open = 0;
     horizon_count = 0;
@@ -132,7 +133,8 @@ void Polytope::find_horizon(const Long3& w, int first) {
 }
 
 bool Polytope::add(const Vertex& v, int face) {
-    // A closed surface of n vertices has 2 n - 4 triangles, and those of the horizon's cone are made after others died.
+    // There is always room for the faces: a closed surface of n vertices has 2 n - 4 triangles, and find_horizon
+    // frees faces before the new ones are made.
     if (vertex_count == vertices_max) return false;
     const std::uint8_t name = static_cast<std::uint8_t>(vertex_count);
     vertices[vertex_count++] = v;
@@ -153,8 +155,8 @@ bool Polytope::add(const Vertex& v, int face) {
     return true;
 }
 
-/// Adds vertices to a simplex that holds the origin until it is a tetrahedron that is not flat. False when the
-/// difference is: then `normal` is at right angles to all of it.
+/// Adds vertices to a simplex that contains the origin until it is a tetrahedron that is not flat. Returns
+/// false when the whole difference is flat: `normal` is then perpendicular to it.
 class Grower {
   public:
     Grower(Difference& d, Simplex& simplex) : difference(d), s(simplex) {}
@@ -201,7 +203,7 @@ class Grower {
     Simplex& s;
 };
 
-/// The normal of a face by its unscaled vertices.
+/// The normal of a face, computed from its unscaled vertices.
 Long3 exact_normal(const Polytope& polytope, const Face& face) {
     const auto corner = [&](int k) {
         const Vertex& v = polytope.vertex(face.corner[k]);
@@ -209,11 +211,11 @@ Long3 exact_normal(const Polytope& polytope, const Face& face) {
     };
     const Long3 exact = cross_with_bits(corner(1) - corner(0), corner(2) - corner(0), 31);
     return direction_of_30(is_zero(exact) ? face.direction : exact)
-        .unit; // zero: thinner than a step of the difference
+        .unit; // zero: the face is thinner than a step of the difference
 }
 
-/// The points whose difference is the face's point nearest to the origin; unknown when that lies in another triangle of
-/// the same plane.
+/// The points whose difference is the face's point nearest to the origin. Unknown when that point is in another
+/// triangle of the same plane.
 Touch touch_of(const Polytope& polytope, const Face& face) {
     Simplex s;
     s.count = 3;
@@ -230,13 +232,13 @@ bool has_axis(const Convex& x) {
            x.core == Convex::Core::cone;
 }
 
-/// The best of the moves that part two cores, as found so far.
+/// The shortest move found so far that separates the two cores.
 class LeastMove {
   public:
     explicit LeastMove(Difference& d) : difference(d) {}
 
     std::int64_t least_30() const { return move.depth_30; }
-    /// Along a unit direction, with the vertex furthest along it. True when it is the best so far.
+    /// Tests a unit direction with the vertex furthest along it. Returns true when it is the best so far.
     bool consider(Long3 unit, const Vertex& v) {
         const std::int64_t m = dot_unit(v.a_30 - v.b_30, unit);
         if (m >= move.depth_30 || is_zero(unit)) return false;
@@ -248,14 +250,15 @@ class LeastMove {
         const Long3 unit = direction_of_30(direction).unit;
         return consider(unit, difference.support(unit));
     }
-    /// Directions that are exactly right for round cores that lie side by side, about one axis, or across each other.
+    /// Tests the directions that are exact for round cores side by side, around one axis, or across each other.
     void guess();
-    /// Turns the direction about the axis of a segment, cylinder or cone, among the normals of its side.
+    /// Turns the direction around the axis of a segment, cylinder or cone, through the normals of its side.
     void turn(const Convex& round, bool is_a);
-    /// Moves b until it is clear of a and takes the direction between the closest points, until that is the same. Of
-    /// shallow overlaps each round leaves depth / (radius of curvature) of the error. True: nothing is left of it.
+    /// Moves b until it is clear of a, and takes the direction between the closest points, until that direction
+    /// is stable. For shallow overlaps each round leaves depth / (radius of curvature) of the error. Returns
+    /// true when it converged.
     bool settle();
-    /// The normals of the faces that look most along the direction.
+    /// Tests the normals of the supporting faces of both cores along the direction.
     void try_faces() {
         const Long3 n = move.normal_30;
         const SupportingFace a = supporting_face(difference.a.convex(), n),
@@ -294,7 +297,7 @@ void LeastMove::guess() {
 }
 
 bool LeastMove::settle() {
-    // A 32nd of the least radius or half height: a round leaves at most a thousandth of what it gained.
+    // 1/32 of the least radius or half height: each round leaves at most a thousandth of its gain.
     std::int64_t shallow_30 = std::numeric_limits<std::int64_t>::max();
     for (const Core* core : {&difference.a, &difference.b})
         if (core->is_smooth())
@@ -311,14 +314,14 @@ bool LeastMove::settle() {
         consider(gap.normal_30);
         const std::int64_t gained = before - move.depth_30;
         if (gained > larger(2, before >> (before < shallow_30 ? 9 : 14))) continue;
-        if (gained <= larger(2, before >> 20)) // else the points are those of another direction
+        if (gained <= larger(2, before >> 20)) // else the points belong to another direction
             found = {true, gap.on_a_30, gap.on_b_30 - up(clear.center_24 - b.center_24, 6)};
         return true;
     }
     return false;
 }
 
-/// A direction of the side's normals: cos and sin of the place on the circle, 30 fraction bits.
+/// The normals of the side of a round core, by position on the circle: cosine and sine, 30 fraction bits.
 class SideNormals {
   public:
     SideNormals(const Convex& round, bool is_a)
@@ -336,7 +339,7 @@ class SideNormals {
         };
         return {part(0), part(1), part(2)};
     }
-    /// The place nearest to a direction.
+    /// The position of the normal nearest to a direction.
     Long3 place_of(Long3 direction) const {
         const auto local = [&](int i) {
             return sign * shift_right_rounded(dot(shape.axes_30[i], direction), 30);
@@ -351,7 +354,7 @@ class SideNormals {
   private:
     const Convex& shape;
     std::int64_t sign;
-    Long3 slope; ///< across and along the axis
+    Long3 slope; ///< components of the normal across and along the axis
 };
 
 void LeastMove::turn(const Convex& round, bool is_a) {
@@ -374,9 +377,10 @@ void LeastMove::turn(const Convex& round, bool is_a) {
     }
 }
 
-/// Until nothing lies beyond the nearest face. Where there is no more room, which takes round hulls of many corners
-/// about one centre, the best of all faces' normals will do: it may be a percent too deep. Where a step of the
-/// difference is more than 1.5e-8 m, thin faces may lean, and the faces of the cores are tried too.
+/// Expands the polytope until no vertex is beyond the nearest face. If it becomes full (round hulls with many
+/// corners around one centre), the best of all face normals is the result; it may be a percent too deep. When a
+/// step of the difference is more than 1.5e-8 m, thin faces may be inclined, so the faces of the cores are
+/// tested too.
 Penetration expand(Difference& difference, Polytope& polytope, Touch& touch) {
     while (true) {
         const int f = polytope.nearest();
@@ -396,15 +400,16 @@ Penetration expand(Difference& difference, Polytope& polytope, Touch& touch) {
     }
 }
 
-/// Smooth cores have no last vertex. Every face's normal, with the vertex found along it, tells a move that parts them;
-/// the nearest face tells that there is none smaller. Once the two are within 1/16 the move is settled where it is
-/// least nearby, and nothing that is less by 2^-12 of it is overlooked; where it does not settle, 2^-24. When there is
-/// no more room, all directions of a circle are about as good, and the best is sought on it.
+/// Smooth cores have no last vertex. Each face's normal, with the vertex found along it, gives an upper bound
+/// of the least move; the distance of the nearest face is a lower bound. Once the two are within 1/16, settle()
+/// refines the move to a local minimum, and the expansion goes on until the bounds differ by at most 2^-12, or
+/// 2^-24 when settle() does not converge. When the polytope becomes full, all directions of a circle are nearly
+/// equal, and turn() searches the circle.
 Penetration expand_smooth(Difference& difference, Polytope& polytope, Touch& touch) {
     LeastMove best(difference);
     best.guess();
     const int shift = difference.shift();
-    int bits = 4; // how near the two have to come
+    int bits = 4; // how near the two bounds must be: 2^-bits of the depth
     while (true) {
         const int f = polytope.nearest();
         const Face& face = polytope.face(f);

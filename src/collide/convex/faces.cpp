@@ -1,4 +1,4 @@
-// What of a convex core faces a direction: the face, edge or generator that a manifold is made of.
+// Finds the face, edge or generator of a convex core along a direction, from which manifolds are made.
 #include "collide/core.h"
 
 #include <algorithm>
@@ -12,11 +12,11 @@ namespace {
 constexpr std::int64_t diagonal = 759250125;
 constexpr std::int64_t sine[8] = {0, diagonal, one_30, diagonal, 0, -diagonal, -one_30, -diagonal};
 constexpr std::int64_t cosine(int k) { return sine[(k + 2) % 8]; }
-/// A disc that leans by no more than this over its radius (15 um) is flat: its eight corners are within 1.2 um of its
-/// rim.
+/// A disc that slopes by at most this over its radius (15 um) counts as flat: its eight corners are then within
+/// 1.2 um of its rim.
 constexpr std::int64_t lean_24 = 256;
-// Names of a cylinder's and cone's points: corners 0..7 at the bottom, 16..23 at the top; on the rim by direction; ends
-// of a generator.
+// Names of the points of cylinders and cones: corners 0..7 at the bottom and 16..23 at the top; the lowest
+// point of a rim; the ends of a generator.
 constexpr std::uint32_t top_corners = 16, rim_bottom = 8, rim_top = 24, end_bottom = 9, end_top = 25;
 
 /// Adds a corner of a face; `at_24` in the shape's axes.
@@ -69,7 +69,7 @@ void triangle_face(const Convex& shape, Long3 direction, SupportingFace& face) {
     face.flat = !is_zero(normal);
 }
 
-/// Of the faces about the furthest corner the one that looks most along the direction.
+/// Among the faces at the furthest corner, the face whose normal is nearest to the direction.
 Facing facing_of_hull(const Convex& shape, const Long3& direction, std::uint32_t furthest) {
     const shapes::Hull& hull = *shape.hull;
     const Long3 local{shift_right_rounded(dot(shape.axes_30[0], direction), 30),
@@ -93,19 +93,21 @@ Facing facing_of_hull(const Convex& shape, const Long3& direction, std::uint32_t
 void fill_hull_face(const Convex& shape, SupportingFace& face) {
     const shapes::Hull& hull = *shape.hull;
     const shapes::Hull::Face& f = hull.faces[face.id - 1];
-    // The patch, not the face alone: where facets nearly lie in a plane, the body would tip from one to the other, and sink.
+    // Uses the patch of nearly coplanar faces, not the face alone: on single facets the body would tip from one
+    // to the next, and sink.
     const auto outline = f.patch_count == 0 ? std::span(hull.loops).subspan(f.first, f.count)
                                             : std::span(hull.patches).subspan(f.patch_first, f.patch_count);
     const std::size_t count = outline.size(),
                       kept = std::min(count, std::size_t{SupportingFace::corners_max});
-    for (std::size_t k = 0; k < kept; ++k) { // of a face with too many corners, some spread evenly
+    for (std::size_t k = 0; k < kept; ++k) { // of a face with too many corners, keep some at even steps
         const std::uint32_t id = outline[k * count / kept];
         face.corners_30[face.count] = corner_of(shape, id);
         face.ids[face.count++] = id;
     }
 }
 
-/// The part of a direction across the y axis, in the shape's axes: unit, and its length; along the axis x and zero.
+/// The components of a direction across the y axis (unit x, z, and length) and along it (height), in the
+/// shape's axes. A direction along the axis has x = 1 and z = 0.
 struct Flat {
     std::int64_t x, z, length, height;
 };
@@ -124,14 +126,14 @@ Long3 rim_24(const Convex& shape, std::int64_t x_30, std::int64_t z_30, std::int
     return {scaled(x_30), y_24, scaled(z_30)};
 }
 
-/// A disc: eight corners that turn with the shape, named by their place; and, where the disc is seen at an angle, the
-/// point of its rim that lies furthest along the direction, so that it rolls on a circle.
+/// A disc: eight corners that turn with the shape, named by position. If the disc is inclined, it also has the
+/// point of its rim furthest along the direction, so that it rolls on a circle.
 void disc_face(const Convex& shape, const Flat& flat, bool top, SupportingFace& face) {
     const std::int64_t y = top ? shape.half_24[1] : -shape.half_24[1];
     const bool leans = narrow_rounded(Wide::product(flat.length, shape.half_24[0]), 30) > lean_24;
     const auto ahead = [&](int k) {
         return cosine(k) * flat.x - sine[k] * flat.z;
-    }; // of corner k, turning z to x
+    }; // of corner k, turning from z to x
     for (int i = 0; i < 8; ++i) {
         const int k = top ? i : 7 - i; // counter-clockwise about the outward normal
         const int next = top ? (k + 1) % 8 : (k + 7) % 8;
@@ -146,7 +148,7 @@ void disc_face(const Convex& shape, const Flat& flat, bool top, SupportingFace& 
     face.flat = true;
 }
 
-/// The straight line on the side of a cylinder or cone that faces the direction.
+/// The straight line on the side of a cylinder or cone that is furthest along the direction.
 void generator_face(const Convex& shape, const Flat& flat, SupportingFace& face) {
     const std::int64_t h = shape.half_24[1];
     const bool is_cone = shape.core == Convex::Core::cone;
@@ -161,7 +163,8 @@ void cylinder_face(const Convex& shape, Long3 direction, SupportingFace& face) {
     generator_face(shape, flat, face);
 }
 
-/// Its base when that faces the direction more than its side does: the side's normal is (2 h, r) / |(2 h, r)|.
+/// The base, if the direction is nearer to the base's normal than to the side's; else the generator. The side's
+/// normal is (2 h, r) / |(2 h, r)|.
 void cone_face(const Convex& shape, Long3 direction, SupportingFace& face) {
     const Flat flat = across(shape, direction);
     const Direction side = direction_of_30({2 * shape.half_24[1], shape.half_24[0], 0});
@@ -174,7 +177,7 @@ void cone_face(const Convex& shape, Long3 direction, SupportingFace& face) {
 } // namespace
 
 SupportingFace supporting_face(const Convex& shape, Long3 direction, std::uint32_t corner) {
-    SupportingFace face; // the corners beyond `count` are not filled: 1 KiB a call
+    SupportingFace face; // corners from `count` on stay uninitialized, which saves writing 1 KiB per call
     face.count = 0;
     face.normal_30 = direction;
     face.id = 0;

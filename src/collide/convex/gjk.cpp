@@ -1,9 +1,10 @@
-// Closest points of two convex cores: GJK whose every decision is exact.
+// Closest points of two convex cores: GJK in which every decision is exact.
 //
-// The difference A - B has integer vertices (core.h). The simplex is kept such that the origin's closest point in it is
-// an inner point of it: then a new vertex is taken only when it lies strictly nearer than the plane through that point,
-// and the new closest simplex holds the new vertex. Which part of it that is, is decided by the signs of integers of
-// at most 124 bits. So the distance falls strictly with each step, no simplex is ever degenerate, and the search ends.
+// The difference A - B has integer vertices (core.h). The origin's closest point in the simplex is always an
+// interior point of the simplex. A new vertex is accepted only when it is strictly nearer than the plane
+// through that point, and the new closest simplex contains the new vertex. The signs of integers of at most 124
+// bits decide which part of the simplex that is. So the distance strictly decreases with each step, no simplex
+// is ever degenerate, and the search ends.
 //
 // source: Gilbert, Johnson, Keerthi, A Fast Procedure for Computing the Distance Between Complex Objects, 1988;
 // Ericson, Real-Time Collision Detection, 5.1.5 and 9.5 (Voronoi regions of a simplex).
@@ -15,13 +16,13 @@
 namespace lockstone::collide {
 namespace {
 
-/// Smooth cores come nearer for ever; what is left after so many steps is far below a micrometre.
+/// Smooth cores approach without end; the error after so many steps is far below a micrometre.
 constexpr int gjk_steps_max = 128;
 
 /// How a step ended.
 enum class Step { nearer, closest, holds };
 
-/// The simplex becomes the vertex, edge or triangle of the given vertices; the last one is the new one.
+/// Reduces the simplex to a vertex, edge or triangle of the given vertices; the last one is the new vertex.
 Step keep(Simplex& s, const Vertex& a) {
     s.v[0] = a;
     s.count = 1;
@@ -48,7 +49,7 @@ Step keep(Simplex& s, const Vertex& c, const Vertex& b, const Vertex& a, Long3 n
     return Step::nearer;
 }
 
-/// Whether the closest point lies on the near side of `from`, seen along the edge from `from` to `to`.
+/// True when the closest point is past `from` in the direction of `to`.
 bool leads_to(const Vertex& from, const Vertex& to) { return dot(to.w - from.w, from.w) < 0; }
 
 Step from_vertex(Simplex& s, const Vertex& a) {
@@ -57,7 +58,8 @@ Step from_vertex(Simplex& s, const Vertex& a) {
     return leads_to(a, b) ? keep(s, b, a) : keep(s, a);
 }
 
-/// Is a nearer than the closest point of the line through b and c? Twice the sign of (b (e e) - e (b e)) (a - b).
+/// True when a is nearer than the closest point of the line through b and c. Computes the sign of
+/// (b (e e) - e (b e)) (a - b).
 bool is_nearer_than_line(Long3 b, Long3 c, Long3 a) {
     const Long3 e = c - b, u = a - b;
     return (Wide::product(dot(b, u), dot(e, e)) - Wide::product(dot(e, u), dot(b, e))).is_negative();
@@ -74,7 +76,7 @@ Step from_edge(Simplex& s, const Vertex& a) {
     return keep(s, b, c, a, normal);
 }
 
-/// Three faces meet in the new vertex a: face k holds x[k] and x[k + 1], and its normal leads out.
+/// The three faces at the new vertex a: face k contains x[k] and x[k + 1], and its normal points outward.
 Step from_triangle(Simplex& s, const Vertex& a) {
     Vertex x[3] = {s.v[0], s.v[1], s.v[2]};
     const Long3 base = cross(x[1].w - x[0].w, x[2].w - x[0].w);
@@ -94,7 +96,7 @@ Step from_triangle(Simplex& s, const Vertex& a) {
         s.count = 4;
         return Step::holds;
     }
-    bool beyond_first[3], beyond_second[3]; // of face k: its edge a x[k], its edge a x[k + 1]
+    bool beyond_first[3], beyond_second[3]; // past the edges a x[k] and a x[k + 1] of face k
     for (int k = 0; k < 3; ++k) {
         const int next = (k + 1) % 3;
         beyond_first[k] = !(Wide::from(0) < wide_dot(normal[k], cross(a.w, x[k].w)));
@@ -120,8 +122,8 @@ Step advance(Simplex& s, const Vertex& a) {
     }
 }
 
-/// along / |direction| > limit, exactly; `along` is direction . w of a vertex. No coordinate exceeds 2^29, so nothing
-/// is beyond a limit of 2^30.
+/// Tests along / |direction| > limit exactly; `along` is direction . w of a vertex. No coordinate exceeds 2^29,
+/// so the result is false for limits of 2^30 and more.
 bool is_beyond(std::int64_t along, Long3 direction, std::int64_t limit) {
     if (along <= 0 || limit < 0 || limit >= std::int64_t{1} << 30) return false;
     return Wide::product(limit * limit, dot(direction, direction)) < Wide::product(along, along);
@@ -135,14 +137,14 @@ std::int64_t part_60(Wide n, Wide d) {
     const auto cut = [drop](Wide x) { return static_cast<std::int64_t>((x >> drop).low_bits()); };
     return clamped(divide_shifted(cut(n), cut(d), 60), 0, std::int64_t{1} << 60);
 }
-/// part (b - a), part in 60 fraction bits.
+/// part (b - a); `part` has 60 fraction bits.
 Long3 part_of(std::int64_t part, Long3 b, Long3 a) {
     const Long3 e = b - a;
     const auto one = [&](std::int64_t x) { return narrow_rounded(Wide::product(x, part), 60); };
     return {one(e[0]), one(e[1]), one(e[2])};
 }
 
-/// The closest simplex' direction from its unscaled vertices, at least 31 bits of it.
+/// The direction of the closest simplex from its unscaled vertices, with at least 31 bits.
 Long3 full_direction(const Simplex& s) {
     const Long3 p = s.v[0].a_30 - s.v[0].b_30;
     if (s.count == 1) return p;
@@ -152,9 +154,10 @@ Long3 full_direction(const Simplex& s) {
     return wide_dot(normal, s.direction).is_negative() ? -normal : normal;
 }
 
-/// Where the simplex may be as small as the roundings of its vertices, as of smooth cores, its direction is not the
-/// last word: the one between the points or a face's normal is taken when it parts the cores by more. And when none
-/// parts them by what the points are apart, the one that the search ended with: it does, to a step of the pair's scale.
+/// For simplices as small as the roundings of their vertices, which smooth cores have, the direction may be
+/// inaccurate. The direction between the points, or a face's normal, replaces it when it separates the cores by
+/// more. If none separates them by the distance of the points, the direction at the end of the search replaces
+/// it if it separates them by more: its error is one step of the pair's scale.
 void choose_normal(Difference& difference, const Simplex& s, Gap& gap) {
     const Long3 apart = gap.on_b_30 - gap.on_a_30;
     std::int64_t most = difference.separation_30(gap.normal_30);
@@ -173,7 +176,7 @@ void choose_normal(Difference& difference, const Simplex& s, Gap& gap) {
     gap.distance_30 = dot_unit(apart, gap.normal_30);
 }
 
-/// The difference leads from b to a, the normal from a to b.
+/// The difference vector leads from b to a, the normal from a to b.
 Gap gap_of(Difference& difference, const Simplex& s) {
     Gap gap{};
     set_points(s, gap);
@@ -185,7 +188,7 @@ Gap gap_of(Difference& difference, const Simplex& s) {
     return gap;
 }
 
-/// What is known of cores that are further apart than the limit: a plane between them.
+/// The result for cores further apart than the limit: a plane between them.
 Gap beyond_gap(const Simplex& s, std::int64_t limit_30, int drop) {
     const Direction d = direction_of_30(s.direction);
     const std::int64_t bound = up(divide_shifted(dot(s.direction, s.v[0].w), d.length, 0) - 1, drop);
@@ -194,7 +197,7 @@ Gap beyond_gap(const Simplex& s, std::int64_t limit_30, int drop) {
 
 } // namespace
 
-// From the weights of the scaled vertices: a step of error in a weight moves both points alike.
+// Uses the weights of the scaled vertices: an error of one step in a weight moves both points equally.
 void set_points(const Simplex& s, Gap& gap) {
     const Vertex &p = s.v[0], &q = s.v[1], &r = s.v[2];
     gap.on_a_30 = p.a_30, gap.on_b_30 = p.b_30;

@@ -1,8 +1,8 @@
-// The edges of a triangle against a convex shape: which normals an edge may have, and the contact it gives.
+// The edges of a triangle against a convex shape: the normals that an edge may have, and the contact it gives.
 //
-// EdgeSide an edge the nearest point of a mesh is the edge itself only while the direction to it lies between the
-// normals of its two triangles (the edge's Voronoi range). Any other direction is the business of a neighbour, and
-// letting it pass would make bodies stumble over the seams of a flat floor.
+// Beside an edge, the nearest point of a mesh is on the edge only while the direction to it lies between the
+// normals of the edge's two triangles (the edge's Voronoi range). A contact with another direction belongs to a
+// neighbour. If the edge accepted it, bodies would stumble over the seams of a flat floor.
 // source: Terdiman, Contact generation for meshes (codercorner.com); Ericson, Real-Time Collision Detection,
 // 5.1.5.
 #include "collide/mesh/triangle_contact.h"
@@ -15,7 +15,7 @@ namespace {
 
 /// Directions are compared with this tolerance [sine, 30 fraction bits].
 constexpr std::int64_t range_tolerance_30 = 1 << 20;       // 0.001
-constexpr std::int64_t flat_tolerance_30 = (1 << 30) / 20; // 3 degrees: of an edge that is not felt
+constexpr std::int64_t flat_tolerance_30 = (1 << 30) / 20; // 3 degrees: for an edge that is not felt
 constexpr std::int64_t end_tolerance_30 = 1 << 12;         // 4 um
 
 Long3 cross_30(Long3 a, Long3 b) {
@@ -24,7 +24,7 @@ Long3 cross_30(Long3 a, Long3 b) {
 }
 std::int64_t dot_30(Long3 a, Long3 b) { return shift_right_rounded(dot(a, b), 30); }
 
-/// An edge near B.
+/// An edge, clipped to the range near B.
 struct EdgeLine {
     Long3 from_24, to_24, along_30;
     std::int64_t length_30;
@@ -33,7 +33,7 @@ EdgeLine line_between(const Long3& from_24, const Long3& to_24) {
     const Direction d = direction_of_30(up(to_24 - from_24, 6));
     return {from_24, to_24, d.unit, d.length};
 }
-/// The ends of its part near B; false when it has none.
+/// Writes the ends of the part of edge k near B. Returns false when there is no such part.
 bool ends_of(const LocalTriangle& t, int k, Long3& from_24, Long3& to_24) {
     from_24 = t.corners_24[k];
     to_24 = t.corners_24[(k + 1) % 3];
@@ -46,7 +46,7 @@ bool edge_line(const LocalTriangle& t, int k, EdgeLine& e) {
     return true;
 }
 
-/// The nearest point of the edge to B's centre, B being a ball.
+/// The gap of a ball: from the point of the edge nearest to B's centre.
 EdgeGap gap_of_ball(const TriangleContext& c, const LocalTriangle& t, const EdgeLine& e) {
     EdgeGap g{};
     const Long3 to_center = c.shape.center_24 - e.from_24;
@@ -116,11 +116,12 @@ KnownEdges::Entry* find_known(KnownEdges& known, Long3 from_24, Long3 to_24) {
     return nullptr;
 }
 
-/// B and an edge are surely further apart than the margin: by a millimetre, far more than all roundings.
+/// True when B and an edge are certainly further apart than the margin: by a millimetre, far more than all
+/// roundings.
 bool are_parted(const TriangleContext& c, const Long3& from_24, const Long3& to_24) {
     constexpr std::int64_t guard_24 = 1 << 14;
     const std::int64_t margin = c.margin.raw + guard_24;
-    if (c.shape.core == Convex::Core::point) { // in 16 fraction bits, below 2^26
+    if (c.shape.core == Convex::Core::point) { // 16 fraction bits, below 2^26
         const auto from_center = [&](const Long3& end_24) {
             const Long3 d = end_24 - c.shape.center_24;
             return Long3{d[0] >> 8, d[1] >> 8, d[2] >> 8};
@@ -140,8 +141,9 @@ bool are_parted(const TriangleContext& c, const Long3& from_24, const Long3& to_
     return false;
 }
 
-/// The same, whichever way the edge runs. Where not all edges fit, those that are parted from B have places too, as which
-/// ones are forgotten decides which are written twice.
+/// Adds the gap of an edge to the cache, with ends in an order that does not depend on the edge's direction.
+/// Where the cache cannot hold all edges, edges apart from B take entries too: the entries that are replaced
+/// decide which edges are written twice.
 KnownEdges::Entry* add_known(TriangleContext& c, const LocalTriangle& t, const Long3& from_24,
                              const Long3& to_24) {
     const bool reversed = is_before(to_24, from_24);
@@ -161,8 +163,8 @@ KnownEdges::Entry* add_known(TriangleContext& c, const LocalTriangle& t, const L
     return &entry;
 }
 
-/// Where a direction lies around an edge: inward of the triangle's normal, between it and the neighbour's normal, or
-/// past that.
+/// Position of a direction around an edge: on the inner side of the triangle's normal, between it and the
+/// neighbour's normal, or past the neighbour's normal.
 enum class EdgeSide : std::uint8_t { inward, between, past };
 EdgeSide place_around(const LocalTriangle& t, int k, Long3 along_30, Long3 direction_30) {
     const Long3 outward = cross_30(along_30, t.normal_30);
@@ -177,7 +179,7 @@ EdgeSide place_around(const LocalTriangle& t, int k, Long3 along_30, Long3 direc
     return shift_right_rounded(up_d * up_b + out_d * out_b, 30) > up_d ? EdgeSide::past : EdgeSide::inward;
 }
 
-/// Of a contact at an end of edge k the other edge there has to agree too.
+/// At an end of edge k, the other edge at that end must accept the direction too.
 EdgeSide edge_side_of(const LocalTriangle& t, int k, const EdgeLine& e, const EdgeGap& g) {
     const EdgeSide own = place_around(t, k, e.along_30, g.normal_30);
     if (own != EdgeSide::between || g.at_from == g.at_to) return own;
@@ -202,7 +204,8 @@ void write_contact(const TriangleContext& c, const LocalTriangle& t, int k, cons
         return nearest_contact(c, g, feature_of(4, t.index, edge, 0), out);
     }
     manifold_from_faces(segment_of(line), c.shape, g.normal_30, g.separation_30, c.margin, out);
-    // The edge is one of three; only its own normal is known to be within its range.
+    // Only the edge's own normal is known to be within its range, so it replaces the normal of
+    // manifold_from_faces.
     out.normal = unit_of_30(g.normal_30);
     out.on_face = 0;
     bool is_deep = false;
@@ -211,11 +214,11 @@ void write_contact(const TriangleContext& c, const LocalTriangle& t, int k, cons
         is_deep = is_deep || up(out.points[i].separation.raw, 3) <= g.separation_30 + c.face_bias_30;
     }
     if (is_deep || g.overlap) return;
-    out = Manifold{}; // the supporting face of a smooth core is coarse: the nearest points serve
+    out = Manifold{}; // The supporting face of a smooth core is coarse: use the nearest points instead.
     nearest_contact(c, g, feature_of(4, t.index, edge, 0), out);
 }
 
-/// Whether B gets past the side of edge k at all.
+/// True when B, grown by the margin, extends past the side of edge k.
 bool reaches(TriangleContext& c, LocalTriangle& t, int k) {
     need_side(t, k);
     const Long3 furthest = furthest_24(c, up(t.sides_27[k], 2));
@@ -227,7 +230,7 @@ bool reaches(TriangleContext& c, LocalTriangle& t, int k) {
 
 bool near_part(Long3& from_24, Long3& to_24) {
     const Long3 a = from_24, b = to_24;
-    std::int64_t first = 0, last = std::int64_t{1} << 62; // of the way, 62 fraction bits
+    std::int64_t first = 0, last = std::int64_t{1} << 62; // range along the segment, 62 fraction bits
     bool whole = true;
     for (int i = 0; i < 3; ++i) {
         for (const std::int64_t sign : {-1, 1}) {
@@ -270,14 +273,15 @@ EdgeContact edge_contact(TriangleContext& c, LocalTriangle& t, std::int64_t lowe
         if (is_before(to_24, from_24)) std::swap(g.at_from, g.at_to);
         const EdgeSide place = edge_side_of(t, k, line_between(from_24, to_24), g);
         if (place == EdgeSide::inward || (place == EdgeSide::past && !g.overlap)) continue;
-        // Apart, the nearest edge counts; overlapping, the one that is easiest to leave.
+        // When apart, the nearest edge is best; when overlapping, the edge with the least depth.
         const bool nearer =
             g.overlap ? g.separation_30 > best.separation_30 : g.separation_30 < best.separation_30;
         const bool better = best.verdict == Verdict::none || (g.overlap && !best.gap.overlap) ||
                             (g.overlap == best.gap.overlap && nearer);
         if (!better) continue;
         best = {Verdict::contact, k, g.separation_30, g};
-        // Sunk by up to 5/32 of its inner ball, B stands on any border it overlaps: another mesh may go on there.
+        // When B is sunk by up to 5/32 of its inner ball, it rests on any border it overlaps: another mesh may
+        // continue there.
         if (place == EdgeSide::past)
             best.verdict = Verdict::beyond;
         else if (on_border && g.separation_30 - lowest_30 <= c.border_bias_30 * 5 / 8)

@@ -1,6 +1,7 @@
-// A triangle's frame, and the contacts that have its own normal: B's supporting face clipped to the triangle's sides.
+// The triangle in the working frame, and the contacts with its own normal: B's supporting face clipped to the
+// triangle's sides.
 //
-// source: Sutherland, Hodgman, Reentrant CutPolygon Clipping, CACM 1974.
+// source: Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974.
 #include "collide/mesh/triangle_contact.h"
 
 #include <limits>
@@ -9,10 +10,10 @@ namespace lockstone::collide {
 namespace {
 
 constexpr std::int64_t limit_max_51 = std::int64_t{1} << 61;
-/// Sides that are not felt lean outward by this much, so that roundings open no gap between neighbours.
+/// Sides that are not felt are moved outward by this much, so that roundings leave no gap between neighbours.
 constexpr std::int64_t overlap_24 = 64; // 4 um
 
-/// a . x / 2^drop for an x of any length, clamped.
+/// a . x / 2^drop for an x of any length, clamped to +-limit.
 std::int64_t far_dot(Long3 a, Long3 x, int drop, std::int64_t limit) {
     return clamped(narrow_rounded(wide_dot(a, x), drop), -limit, limit);
 }
@@ -26,22 +27,22 @@ void set_side(LocalTriangle& t, int k) {
     const Long3 own = shifted(cross(edge, t.normal_30), 30);
     const std::int64_t bend = dot(own, t.beyond_30[k]); // its sine, 56 to 58 fraction bits
     const std::uint32_t bit = 1u << k;
-    // An edge that is convex from behind is concave in front, which the triangle's bits do not tell: 1/64 .. 1/16
-    // counts.
+    // An edge that is concave in front is convex from behind. The triangle's bits describe the front only, so
+    // the sine of the bend decides here; the threshold is between 1/64 and 1/16.
     if (t.is_flipped && (t.border & bit) == 0)
         t.felt = (t.felt & ~bit) | (bend > std::int64_t{1} << 52 ? bit : 0u);
     const bool halfway = bend > 0 && (t.felt & bit) == 0;
     t.sides_27[k] = halfway ? shifted(cross(edge, shifted(t.normal_30 + t.beyond_30[k], 1)), 30) : own;
-    // The nearer end: its rounding error has the shorter lever.
+    // The nearer end has the shorter lever for rounding errors.
     const Long3 at = t.widest_24[k] < t.widest_24[(k + 1) % 3] ? from : to;
     t.limits_51[k] = t.is_far ? far_dot(t.sides_27[k], at, 0, limit_max_51) : dot(t.sides_27[k], at);
 }
 
 namespace {
 
-/// How far outside of its side a point at `height` above the plane may be, 51 fraction bits. Where flat edges meet
-/// in a corner their halves leave a cone of space to nobody, as wide as they are bent: 1 / 64 of the height covers
-/// it.
+/// How far outside of a side a point at `height` above the plane may be, 51 fraction bits. Where several
+/// slightly bent edges meet in a corner, the bisecting sides leave a cone above it that belongs to no triangle,
+/// as wide as the bend. 1/64 of the height covers that cone.
 std::int64_t tolerance_51(const LocalTriangle& t, int k, std::int64_t height) {
     if ((t.felt >> k & 1u) != 0) return 0;
     return ((absolute(height) >> 12) + overlap_24) << 27;
@@ -50,7 +51,7 @@ std::int64_t tolerance_51(const LocalTriangle& t, int k, std::int64_t height) {
 struct CutCorner {
     Long3 at_24;
     std::int64_t height;   // above the plane, 30 fraction bits
-    int line_in, line_out; // the lines that meet here: polygon edges 0.., triangle sides at side_first..
+    int line_in, line_out; // the lines that meet here: polygon edges 0.., triangle sides side_first..
 };
 constexpr int side_first = SupportingFace::corners_max;
 constexpr int clip_max = SupportingFace::corners_max + 3;
@@ -61,15 +62,16 @@ struct CutPolygon {
     bool is_open; // a segment
 };
 
-/// Within +-2^62: a limit is at most 2^61, B's points are within 2^8.8 m and sides below 2^28.
+/// Distance inside of side k. Within +-2^62: a limit is at most 2^61, B's points are within 2^8.8 m and sides
+/// below 2^28.
 std::int64_t inside_51(const LocalTriangle& t, int k, Long3 x_24) {
     const std::int64_t tolerance = (t.felt >> k & 1u) != 0 ? 0 : overlap_24 << 27;
     return t.limits_51[k] - dot(t.sides_27[k], x_24) + tolerance;
 }
 
-/// Between a, which is inside, and b, which is not.
+/// The intersection with a side, between a, which is inside, and b, which is outside.
 CutCorner cut_between(const CutCorner& a, const CutCorner& b, std::int64_t inside_a, std::int64_t inside_b) {
-    // To 33 bits: the fraction then takes one 64-bit division.
+    // Reduced to 33 bits: the fraction then takes one 64-bit division.
     const std::int64_t whole = (inside_a >> 1) - (inside_b >> 1);
     const int drop = bit_length(static_cast<std::uint64_t>(whole)) - 33;
     const int n = drop > 0 ? drop : 0;
@@ -126,8 +128,8 @@ void clip_polygon(const LocalTriangle& t, int k, CutPolygon& polygon) {
     polygon.count = n;
 }
 
-/// A corner of B keeps its name from triangle to triangle; what lies on an edge or corner of the triangle is named
-/// by it.
+/// A corner of B keeps its name from triangle to triangle. A point on a side or corner of the triangle is named
+/// by the triangle, too.
 std::uint32_t name_of_point(const SupportingFace& face, const LocalTriangle& t, const CutCorner& x) {
     const bool side_in = x.line_in >= side_first, side_out = x.line_out >= side_first;
     const auto u32 = [](int i) { return static_cast<std::uint32_t>(i); };
@@ -153,7 +155,8 @@ void add_face_point(const TriangleContext& c, const LocalTriangle& t, Long3 at_2
     add_point(out.items[out.count - 1], position, separation, c.margin, feature);
 }
 
-/// All points within the margin; of more than eight the lowest, and others evenly from it.
+/// Adds all points within the margin. Of more than eight it adds eight: the lowest and others at even steps
+/// from it.
 void add_polygon(const TriangleContext& c, const LocalTriangle& t, const SupportingFace& face,
                  const CutPolygon& polygon, TriangleContact& out) {
     int near[clip_max], count = 0, lowest = 0;
@@ -185,14 +188,14 @@ const SupportingFace& face_against(TriangleContext& c, Long3 normal) {
     return c.face;
 }
 
-/// The side opposite to the corner furthest from B's origin: of those that a ball may be past, the likeliest.
+/// The side opposite to the corner furthest from B's origin: the side that a ball is most likely outside of.
 int side_before(const LocalTriangle& t) {
     const std::int64_t* w = t.widest_24;
     if (w[0] > w[1]) return w[0] > w[2] ? 1 : 0;
     return w[1] > w[2] ? 2 : 0;
 }
 
-/// The outward normals of the supporting face's sides, at right angles to the triangle's normal.
+/// Computes the outward normals of the supporting face's sides, perpendicular to the triangle's normal.
 void set_outline(TriangleContext& c) {
     const SupportingFace& face = c.face;
     Long3 sum{};
@@ -202,7 +205,7 @@ void set_outline(TriangleContext& c) {
                     to = shifted(face.corners_30[(i + 1) % face.count], 6);
         Long3 out = shifted(cross(with_bits(to - from, 27), c.face_normal_30), 30);
         std::int64_t limit = dot(out, from);
-        // The middle of the face is inside, whichever way its corners go round.
+        // The middle of the face is inside, for either winding of its corners.
         if (dot(out, {sum[0] / face.count, sum[1] / face.count, sum[2] / face.count}) > limit)
             out = -out, limit = -limit;
         c.outline_27[i] = out;
@@ -236,7 +239,7 @@ LocalTriangle local_triangle(const shapes::Face& face, CoordinateVec3 origin, bo
 }
 
 void set_edges(LocalTriangle& t, const shapes::FaceEdges& edges) {
-    // Seen from behind, corners 0 2 1: edge 0 runs from 0 to 2 and was edge 2.
+    // From behind the corners are 0 2 1: edge 0 runs from corner 0 to 2 and is edge 2 from the front.
     constexpr int edge_of[2][3] = {{0, 1, 2}, {2, 1, 0}};
     t.felt = t.border = t.sides = 0;
     for (int k = 0; k < 3; ++k) {
@@ -246,13 +249,13 @@ void set_edges(LocalTriangle& t, const shapes::FaceEdges& edges) {
         t.felt |= static_cast<std::uint32_t>(is_border || (edges.sharp >> edge & 1u) != 0) << k;
         t.border |= static_cast<std::uint32_t>(is_border) << k;
     }
-    if (t.is_flipped) // which edges are felt comes of the sides
+    if (t.is_flipped) // set_side also decides which edges are felt
         for (int k = 0; k < 3; ++k) set_side(t, k);
 }
 
 bool is_apart(const TriangleContext& c, const LocalTriangle& t) {
     const std::int64_t margin = c.margin.raw;
-    if (c.shape.core == Convex::Core::point) { // the ball against the triangle's own bounds, 16 fraction bits
+    if (c.shape.core == Convex::Core::point) { // the ball against the triangle's bounds, 16 fraction bits
         const std::int64_t reach_16 = ((margin + (c.radius_30 >> 6)) >> 8) + 1;
         std::int64_t square_32 = 0;
         for (int i = 0; i < 3; ++i) {
@@ -260,7 +263,7 @@ bool is_apart(const TriangleContext& c, const LocalTriangle& t) {
             const std::int64_t at = c.shape.center_24[i];
             const std::int64_t below = smaller(x, smaller(y, z)) - at, above = at - larger(x, larger(y, z));
             const std::int64_t off_16 = larger(0, larger(below, above)) >> 8;
-            if (off_16 > reach_16) return true; // so the squares are small
+            if (off_16 > reach_16) return true; // so the squares below are small
             square_32 += off_16 * off_16;
         }
         return square_32 > reach_16 * reach_16;
@@ -332,8 +335,8 @@ bool is_covered(TriangleContext& c, const LocalTriangle& t, std::int64_t deepest
     for (int i = 0; i < face.count; ++i)
         for (const Long3& corner : t.corners_24)
             if (dot(c.outline_27[i], corner) >= c.outline_51[i]) return false;
-    // The face's plane over the triangle's: as their normals are nearly opposite, its least height over the face's
-    // corners is a bound for what is over the triangle.
+    // The height of the face's plane above the triangle's: the two normals are nearly opposite, so the least
+    // height of the face's corners bounds the height above the triangle.
     std::int64_t least = std::numeric_limits<std::int64_t>::max();
     for (int i = 0; i < face.count; ++i) least = smaller(least, height_30(t, shifted(face.corners_30[i], 6)));
     return least - c.radius_30 >= deepest_30 - noise_30;
@@ -341,7 +344,7 @@ bool is_covered(TriangleContext& c, const LocalTriangle& t, std::int64_t deepest
 
 Long3 furthest_24(TriangleContext& c, const Long3& direction) {
     if (c.shape.core == Convex::Core::point) return c.shape.center_24;
-    // Of corners of a hull that are equally far, which one a Core finds depends on its last search.
+    // Among equally far corners of a hull, the result of a Core depends on its last search; this one does not.
     if (c.shape.core == Convex::Core::hull) return shifted(support(c.shape, direction).at_30, 6);
     if (!c.core) c.core.emplace(c.shape);
     return shifted(c.core->support(direction).at_30, 6);

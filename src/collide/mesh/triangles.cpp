@@ -13,7 +13,8 @@ namespace {
 
 Coordinate coordinate(std::int64_t raw_24) { return Coordinate::from_raw(raw_24); }
 
-/// B is up to this deep over a border and still on it: 1 cm, a quarter of B's inner ball when that is less.
+/// B rests on a border while it is up to this deep below it: 1 cm, or a quarter of B's inner ball when that is
+/// less.
 std::int64_t border_bias_30(Length inner) { return smaller(up(inner.raw, 4), std::int64_t{10737418}); }
 
 shapes::Extent extent_in(const shapes::Extent& local, const RelativePose& pose, Length margin) {
@@ -21,7 +22,8 @@ shapes::Extent extent_in(const shapes::Extent& local, const RelativePose& pose, 
     const Long3 columns[3] = {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)};
     shapes::Extent out;
     const std::int64_t margin_24 = std::int64_t{margin.raw} + 2;
-    constexpr std::int64_t small = std::int64_t{1} << 31; // three products with units stay below 2^63
+    // The sum of three products with units stays below 2^63.
+    constexpr std::int64_t small = std::int64_t{1} << 31;
     if (larger(widest(lower), widest(upper)) < small) {
         for (int i = 0; i < 3; ++i) {
             std::int64_t least = 0, most = 0;
@@ -50,7 +52,7 @@ shapes::Extent extent_in(const shapes::Extent& local, const RelativePose& pose, 
     return out;
 }
 
-/// One pair of a mesh or height field and a convex shape.
+/// Collides one pair: a mesh or height field A and a convex shape B.
 class TriangleCollision {
   public:
     TriangleCollision(const shapes::Solid& solid, const shapes::Solid& other, const shapes::Extent& extent,
@@ -101,11 +103,12 @@ class TriangleCollision {
     }
     shapes::Extent whole_extent() const {
         shapes::Extent where = extent_in(local, pose, context.margin);
-        // Height fields are solid below: the surface over a shape counts however high it is.
+        // Height fields are solid below the surface: the surface above a shape counts at any height.
         if (a.height_field != nullptr) where.upper.y = coordinate(std::int64_t{1} << 44);
         return where;
     }
-    /// A ball's own box, not that of its box turned: all triangles that are not `is_apart`, by more than its rounding.
+    /// A ball's own box, smaller than the box of its turned bounds. It meets all triangles that are not
+    /// `is_apart`; the guard exceeds the rounding.
     shapes::Extent ball_extent() const {
         constexpr std::int64_t guard_24 = 1 << 10;
         const std::int64_t reach_24 = context.shape.radius.raw + context.margin.raw + guard_24;
@@ -116,8 +119,9 @@ class TriangleCollision {
         }
         return where;
     }
-    /// Whether B is surely above the triangle's plane by more than the margin, told from one corner: for the many
-    /// that are. A tenth of a millimetre is far more than all roundings.
+    /// True when B is certainly above the triangle's plane by more than the margin. Needs only one corner of
+    /// the triangle, and drops many triangles early. The guard of a tenth of a millimetre is far more than all
+    /// roundings.
     bool is_above(std::uint32_t index) const {
         constexpr std::int64_t guard_24 = 1 << 11;
         if (!has_planes) return false;
@@ -158,7 +162,7 @@ class TriangleCollision {
     std::int64_t highest_30(const LocalTriangle& t) const {
         return height_30(t, shifted(support(context.shape, t.normal_30).at_30, 6)) + context.radius_30;
     }
-    /// scratch.parts names the triangle of each piece.
+    /// Appends a manifold to scratch.pieces and its triangle to scratch.parts.
     void append(const LocalTriangle& t, const Manifold& m) {
         if (m.count == 0) return;
         scratch.pieces.push_back(m);
@@ -196,8 +200,9 @@ class TriangleCollision {
         }
     }
 
-    /// B's deepest point is within the sides, and either no core overlaps, so that the plane's normal is the
-    /// direction of the nearest points, or B is no deeper than what faces are preferred by.
+    /// True when B's deepest point is within the sides, and one of two holds: no core overlaps the plane, so
+    /// that the plane's normal is the direction between the nearest points; or B is no deeper than the bias by
+    /// which faces are preferred.
     bool face_is_best(const LocalTriangle& t, const TriangleContact& face, std::int64_t lowest) const {
         if (face.count == 0) return false;
         if ((t.felt & ~t.border) == 0 && lowest >= -context.border_bias_30) return true;
@@ -210,19 +215,20 @@ class TriangleCollision {
         return false;
     }
 
-    /// The centre is behind: the border is what B can touch from there without being inside.
+    /// The core's centre is behind the triangle: from there B can touch only the border without being inside.
     void from_behind(LocalTriangle& t, std::int64_t lowest) {
         t.felt = t.border;
         const EdgeContact edge = edge_contact(context, t, lowest, false);
         if (edge.verdict == EdgeContact::Verdict::contact) append(t, edge_manifold(context, t, edge));
     }
 
-    /// The triangle nearest to B's centre tells on which side that is; of two equally near, at an edge or corner, the
-    /// one that it is more clearly above or below.
+    /// Pushes out a shape whose core's centre is inside. The triangle nearest to the centre decides whether it
+    /// is. Of two equally near, at an edge or corner, the one with the larger height of the centre above or
+    /// below its plane decides.
     /// source: Baerentzen, Aanaes, Signed distance computation using the angle weighted pseudonormal, 2005.
     void push_out(std::span<const std::uint32_t> behind) {
         constexpr std::int64_t same_20 = 16;          // 16 um
-        if (is_small) find_triangles(whole_extent()); // one further away may be the nearest
+        if (is_small) find_triangles(whole_extent()); // a triangle further away may be the nearest
         PointDistance best{std::int64_t{1} << 40, 0};
         LocalTriangle nearest{};
         for (const std::uint32_t index : scratch.triangles) {
@@ -246,12 +252,13 @@ class TriangleCollision {
         forced_contact(context, nearest, contact);
         append(nearest, contact);
     }
-    /// Beside the border of an open mesh there is no inside.
+    /// True when the nearest point is on the border of an open mesh: the mesh has no inside there.
     bool border_is_nearest(const LocalTriangle& t, const PointDistance& d) const {
         return t.border != 0 && d.distance_20 > absolute(d.height_20) + 16;
     }
 
-    /// Nothing has yielded a contact: should a triangle overlap all the same, what parts the two most easily.
+    /// Called when no triangle yielded a contact. If a triangle overlaps B nevertheless, adds one contact along
+    /// the direction of least penetration.
     void any_overlap() {
         Manifold best{};
         for (const std::uint32_t index : scratch.triangles) {
@@ -280,9 +287,10 @@ class TriangleCollision {
         if (best.count > 0) scratch.pieces.push_back(best);
     }
 
-    /// A triangle that touches a sharp edge only with a corner does not know of it, and would take what hangs past
-    /// the edge for something deep inside. Where a normal found elsewhere parts B from the triangle much more
-    /// easily than the triangle's own does, the contact that has that normal serves for both.
+    /// A triangle that meets a sharp edge only with one corner has no data of that edge. It would report the
+    /// part of B that hangs past the edge as deep inside. Where the normal of another contact separates B from
+    /// the triangle with far less depth than the triangle's own normal, that contact suffices and the
+    /// triangle's is dropped.
     void drop_hidden() {
         const std::span<Manifold> pieces = std::span(scratch.pieces).subspan(first_piece);
         for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -312,16 +320,16 @@ class TriangleCollision {
     }
 
     const shapes::Solid& a;
-    const shapes::Extent& local; ///< B's
+    const shapes::Extent& local; ///< of B, in B's own axes
     const RelativePose& pose;
     TriangleContext context;
     NarrowScratch& scratch;
     std::size_t first_piece;
     bool two_sided;
-    bool is_small;            ///< looks only at what is in ball_extent at first
-    bool has_planes;          ///< of is_above
-    Long3 furthest_24;        ///< how far B reaches along its own axes
-    bool below_plane = false; ///< B reaches the plane of a triangle that its bounds meet
+    bool is_small;            ///< the first search covers only ball_extent
+    bool has_planes;          ///< is_above may be used
+    Long3 furthest_24;        ///< reach of B along its own axes
+    bool below_plane = false; ///< B reaches the plane of a triangle that meets its bounds
     std::int64_t found_30 = std::numeric_limits<std::int64_t>::max() / 2; ///< the deepest separation so far
 };
 

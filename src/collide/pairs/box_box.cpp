@@ -10,11 +10,12 @@
 namespace lockstone::collide {
 namespace {
 
-/// sin^2 = 2^-16 in 60 fraction bits. An axis of two edges closer to parallel than 0.004 rad has an error of more than
-/// 2.4e-7 of the boxes' reach, from the rounding of the rotation; the faces serve there.
+/// sin^2 = 2^-16 in 60 fraction bits. For two edges closer to parallel than 0.004 rad, rounding of the rotation
+/// gives their axis an error of more than 2.4e-7 of the boxes' reach; the faces decide there.
 constexpr std::int64_t sin2_min_60 = std::int64_t{1} << 44;
 
-/// The axis of greatest separation, after the preference for faces; `separation` in 30 fraction bits is its own.
+/// The axis of greatest separation, after the bias for faces. `separation` has 30 fraction bits and excludes
+/// the bias.
 struct Axis {
     enum Kind { face_a, face_b, edges } kind;
     int i, j; // A's face or edge axis, B's
@@ -53,12 +54,12 @@ template <int i, int j> std::int64_t edge_separation(const BoxPair& g) {
            g.abs[j][i1] * g.a[i2] - g.abs[j2][i] * g.b[j1] - g.abs[j1][i] * g.b[j2];
 }
 
-/// Replaces `best` by the edge axis that beats it by more than the bias. `best.separation` does not include the bias.
+/// Replaces `best` by the edge axis that exceeds it by more than the bias. `best.separation` excludes the bias.
 void try_edges(const BoxPair& g, std::int64_t bias_30, std::int64_t margin_30, Axis& best) {
     std::int64_t to_beat = best.separation + bias_30;
     for_axes([&](auto i) {
         for_axes([&](auto j) {
-            // sin <= (1 + sin^2) / 2, so while s_54 < 0 most axes are dropped before the root and the division.
+            // sin <= (1 + sin^2) / 2, so for s_54 < 0 most axes are rejected before the root and the division.
             const std::int64_t s_54 = edge_separation<i, j>(g);
             const std::int64_t r1 = g.r[j][(i + 1) % 3], r2 = g.r[j][(i + 2) % 3],
                                sin2_60 = r1 * r1 + r2 * r2;
@@ -66,12 +67,13 @@ void try_edges(const BoxPair& g, std::int64_t bias_30, std::int64_t margin_30, A
             if (s_54 <= 0 && (s_54 >> 24) <= (to_beat * sin_above_20) >> 20) return;
             if (sin2_60 < sin2_min_60) return;
             const int spare =
-                std::countl_zero(static_cast<std::uint64_t>(sin2_60)) / 2; // all 32 bits of the root
+                std::countl_zero(static_cast<std::uint64_t>(sin2_60)) / 2; // for all 32 bits of the root
             const std::int64_t sin = isqrt(static_cast<std::uint64_t>(sin2_60) << (2 * spare));
             const std::int64_t s = divide_shifted(s_54, sin, 6 + spare);
             if (s <= to_beat) return;
             to_beat = s;
-            best = {Axis::edges, i, j, s, s > margin_30}; // what is apart stays apart: to_beat only grows
+            // to_beat only grows, so a separated pair stays separated.
+            best = {Axis::edges, i, j, s, s > margin_30};
         });
     });
 }
@@ -88,7 +90,7 @@ Axis find_axis(const BoxPair& g, std::int64_t bias_30, std::int64_t margin_30) {
     return best;
 }
 
-/// e_i x r_j, from A to B: not a unit vector.
+/// e_i x r_j, directed from A to B, not normalized.
 Long3 across_edges(const BoxPair& g, int i, int j) {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
     const Long3& r = g.r[j];
@@ -108,7 +110,8 @@ Long3 direction_of(const BoxPair& g, const Axis& axis) {
     return normal;
 }
 
-/// The edge of each box that faces the other along the axis, and the closest points of their lines.
+/// Adds the contact of two edges: the edge of each box that faces the other along the axis, and the closest
+/// points of their lines.
 void collide_edges(const BoxPair& g, const Axis& axis, Length margin, Manifold& out) {
     const int i = axis.i, i1 = (i + 1) % 3, i2 = (i + 2) % 3, j = axis.j, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
     const Long3& r = g.r[j];
@@ -129,7 +132,7 @@ void collide_edges(const BoxPair& g, const Axis& axis, Length margin, Manifold& 
     const std::int64_t line_s = divide_shifted(up(between[i], 30) - r[i] * along_b, sin2_60, 30);
     const std::int64_t line_u = divide_shifted(r[i] * between[i] - up(along_b, 30), sin2_60, 30);
     const std::int64_t s = clamped(line_s, -g.a[i], g.a[i]), u = clamped(line_u, -g.b[j], g.b[j]);
-    // Boxes apart whose edges pass each other beyond their ends are further apart than the axis tells.
+    // Two separated boxes whose edges miss each other beyond their ends are further apart than along the axis.
     if (axis.separation > 0 && (s != line_s || u != line_u)) return;
     Long3 middle = up(on_a, 30) + up(on_b, 30) + r * u;
     middle[i] += up(s, 30);
@@ -140,7 +143,8 @@ void collide_edges(const BoxPair& g, const Axis& axis, Length margin, Manifold& 
               edge_feature(edge_id(i, bit(a1, i1) | bit(a2, i2)), edge_id(j, bit(b1, j1) | bit(b2, j2))));
 }
 
-/// Boxes beside each other's faces and edges: near a corner, or across two edges too close to parallel for an axis.
+/// Handles boxes beside each other's faces and edges: near a corner, or at two edges too close to parallel for
+/// an axis.
 void collide_beside(const Geometry& a, const Geometry& b, const RelativePose& pose, Length margin,
                     Manifold& out) {
     collide_convex(convex_of({a}, Rotation::identity(), CoordinateVec3{}),

@@ -1,26 +1,27 @@
-// Face against face: the incident face, a parallelogram, clipped by the four sides of the reference face, then
-// reduced to four points.
+// Face against face: clips the incident face, a parallelogram, by the four sides of the reference face, then
+// reduces the result to four points.
 //
-// source: Sutherland, Hodgman, Reentrant CutFace Clipping, CACM 1974; the reduction follows Visvalingam, Whyatt, Line
-// Generalisation by Repeated Elimination of Points, 1993.
+// source: Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974; the reduction follows Visvalingam,
+// Whyatt, Line Generalisation by Repeated Elimination of Points, 1993.
 #include "collide/pairs/box_box.h"
 
 namespace lockstone::collide {
 namespace {
 
-constexpr int face_points_max = 12; // a parallelogram cut by four lines has 8; roundings may ask for more
+constexpr int face_points_max = 12; // a parallelogram cut by four lines has 8; the rest is room for roundings
 
-/// Corners beyond a side by no more than this are kept: of faces that nearly coincide, cuts would lie anywhere.
+/// Corners outside of a side by at most this are kept: for nearly equal faces the position of cuts would be
+/// arbitrary.
 constexpr std::int64_t box_slack_30 = std::int64_t{1} << 14; // 15 um
 
-/// The reference box's frame: where the incident box is and how it is turned.
+/// The incident box in the frame of the reference box.
 struct Clip {
     Long3 half, incident_half; // 24 fraction bits
     Long3 center_54;           // of the incident box
     Long3 axes[3];             // of the incident box, 30
     int axis, p, q;            // the reference face's normal axis, and the two in the face
-    std::int64_t sign;         // the face looks along sign * axis
-    int incident_axis, u, v;   // the same three of the incident face
+    std::int64_t sign;         // the outward normal is sign * axis
+    int incident_axis, u, v;   // the same axes of the incident face
 };
 
 Clip set_up(const BoxPair& g, bool reference_is_b, int axis) {
@@ -35,7 +36,7 @@ Clip set_up(const BoxPair& g, bool reference_is_b, int axis) {
         for (int i = 0; i < 3; ++i) c.axes[i] = {g.r[0][i], g.r[1][i], g.r[2][i]};
         c.sign = c.center_54[axis] > 0
                      ? 1
-                     : -1; // centred boxes: the normal from A to B is +r, so B looks along -r
+                     : -1; // for equal centres the normal from A to B is +r, so B's face normal is -r
     } else {
         c.center_54 = up(g.t, 30);
         for (int j = 0; j < 3; ++j) c.axes[j] = g.r[j];
@@ -53,7 +54,7 @@ Clip set_up(const BoxPair& g, bool reference_is_b, int axis) {
 constexpr bool corner_u[4] = {true, false, false, true};
 constexpr bool corner_v[4] = {true, true, false, false};
 
-/// The incident face looks against the reference face.
+/// The normal of the incident face is opposed to that of the reference face.
 bool incident_positive(const Clip& c) { return c.sign * c.axes[c.incident_axis][c.axis] < 0; }
 
 void incident_corners(const Clip& c, ClipPoint* out) {
@@ -82,7 +83,7 @@ struct CutFace {
     int count;
 };
 
-/// Keeps what has inside(x) = limit - sign * x.*coordinate >= 0; `line` names the side.
+/// Keeps the part where inside(x) = limit - sign * x.*coordinate >= 0; `line` is the number of the side.
 void clip_side(CutFace& polygon, std::int64_t ClipPoint::*coordinate, std::int64_t sign, std::int64_t limit,
                std::uint8_t line, int part_bits) {
     std::int64_t inside[face_points_max], least = 0;
@@ -102,7 +103,7 @@ void clip_side(CutFace& polygon, std::int64_t ClipPoint::*coordinate, std::int64
         const bool a_stays = inside[k] >= -box_slack_30, b_stays = inside[next] >= -box_slack_30;
         if (a_stays) out[n++] = a;
         if (a_stays == b_stays || n == face_points_max) continue;
-        if (inside[a_stays ? k : next] <= 0) continue; // the corner that stays is the cut
+        if (inside[a_stays ? k : next] <= 0) continue; // the corner that stays is on the side
         const std::int64_t part = up(inside[k], part_bits) / (inside[k] - inside[next]);
         ClipPoint cut = between(a, b, part, part_bits);
         cut.*coordinate = sign * limit;
@@ -113,7 +114,8 @@ void clip_side(CutFace& polygon, std::int64_t ClipPoint::*coordinate, std::int64
     polygon.count = n;
 }
 
-/// The bits that a fraction of an edge may have so that its products fit: 24 for the largest boxes, 30 for small ones.
+/// Number of fraction bits for a position along an edge, so that products fit: 24 for the largest boxes, 30 for
+/// small ones.
 int part_bits_for(const Clip& c) {
     std::int64_t reach = absolute(c.center_54[c.p] >> 24) + absolute(c.center_54[c.q] >> 24) +
                          absolute(c.center_54[c.axis] >> 24);
@@ -131,7 +133,7 @@ void clip_polygon(const Clip& c, CutFace& polygon) {
     clip_side(polygon, &ClipPoint::q, -1, limit_q, 7, bits);
 }
 
-/// The corner and edge names of the two boxes for the lines that meet in a polygon corner.
+/// Computes the name of a polygon corner from the corners and edges of the boxes whose lines meet there.
 struct Names {
     const Clip& c;
     bool reference_is_b;
@@ -176,7 +178,7 @@ int reduce_points(ClipPoint* points, int count) {
     for (int k = 0; k < count; ++k) low_left += points[k].height <= low ? 1 : 0;
     const auto must_stay = [&](int k) { return low_left == 1 && points[k].height <= low; };
 
-    // Twice the area that corner k cuts off, 20 fraction bits for each coordinate: products fit.
+    // Twice the area that corner k cuts off. Coordinates have 20 fraction bits, so that products fit.
     const auto cut = [&](int k) {
         const ClipPoint &a = points[k == 0 ? count - 1 : k - 1], &b = points[k],
                         &c = points[k + 1 == count ? 0 : k + 1];

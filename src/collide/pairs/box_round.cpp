@@ -1,5 +1,5 @@
-// A box against a sphere and a capsule: the closest point of the core while the core is outside of the box, the
-// axis of least overlap when it is not.
+// A box against a sphere or a capsule. While the core is outside of the box, the closest points decide; when it
+// is inside, the axis of least overlap.
 //
 // source: Ericson, Real-Time Collision Detection, 5.1.3 and 5.2.5; the segment's squared distance to the box is convex
 // and piecewise quadratic along the segment, so its least value is found between the breakpoints of its derivative.
@@ -8,10 +8,11 @@
 namespace lockstone::collide {
 namespace {
 
-/// A core closer to the box than this counts as inside it: its direction has too few bits left [30 fraction bits].
+/// A core closer to the box than this counts as inside: too few bits of its direction remain [30 fraction
+/// bits].
 constexpr std::int64_t touching_30 = std::int64_t{1} << 14; // 15 um
 
-/// How far a point is beyond the box on each axis; zero within.
+/// Distance of a point beyond the box on each axis; zero within.
 Long3 excess(Long3 point, Long3 half) {
     const auto beyond = [](std::int64_t x, std::int64_t h) { return x > h ? x - h : x < -h ? x + h : 0; };
     return {beyond(point[0], half[0]), beyond(point[1], half[1]), beyond(point[2], half[2])};
@@ -27,7 +28,7 @@ struct CoreAndBox {
     std::int64_t half_length; // 24
     Length radius, margin;
 
-    /// The preference for faces, 30 fraction bits; 1 / 64 of a length in 24 is the same number in 30.
+    /// The bias for faces, 30 fraction bits. 1/64 of a length with 24 fraction bits is the same number with 30.
     std::int64_t bias() const {
         return smaller(up(face_bias.raw, 3),
                        smaller(radius.raw, smaller(half[0], smaller(half[1], half[2]))));
@@ -35,9 +36,10 @@ struct CoreAndBox {
 
     Long3 at_54(std::int64_t s) const { return up(center, 30) + axis * s; }
     Long3 at_30(std::int64_t s) const { return shifted(at_54(s), 24); }
-    /// Half the derivative of the squared distance to the box along the core, 54 fraction bits: it never falls.
+    /// Half the derivative of the squared distance to the box along the core, 54 fraction bits. It never
+    /// decreases with s.
     std::int64_t slope(std::int64_t s) const { return dot(axis, excess(shifted(at_54(s), 30), half)); }
-    /// Where the core crosses coordinate i = x, clamped to its ends. Needs axis[i] != 0.
+    /// Parameter at which coordinate i of the core is x, clamped to the core's ends. Needs axis[i] != 0.
     std::int64_t crossing(int i, std::int64_t x) const {
         return ratio_clamped(x - center[i], axis[i], 30, -half_length, half_length);
     }
@@ -61,7 +63,7 @@ std::int64_t closest_parameter(const CoreAndBox& g) {
     if (before >= 0) return s[0];
     for (int k = 1; k < count; ++k) {
         const std::int64_t after = g.slope(s[k]);
-        if (after >= 0) { // the slope changes by no more than s does, so the difference fits
+        if (after >= 0) { // the slope changes by at most as much as s, so the difference fits
             const std::int64_t part_30 = divide_shifted(-before, after - before, 30);
             return s[k - 1] + shift_right_rounded((s[k] - s[k - 1]) * part_30, 30);
         }
@@ -70,7 +72,7 @@ std::int64_t closest_parameter(const CoreAndBox& g) {
     return g.half_length;
 }
 
-/// The stretch of the core between the box's sides across all axes but the listed ones; empty when low > high.
+/// The part of the core between the box's sides on all axes except the skipped ones; empty when low > high.
 struct Stretch {
     std::int64_t low, high;
 };
@@ -80,7 +82,7 @@ Stretch between_sides(const CoreAndBox& g, bool skip_x, bool skip_y, bool skip_z
     for (int i = 0; i < 3; ++i) {
         if (skip[i]) continue;
         const std::int64_t reach = (g.half_length * absolute(g.axis[i])) >> 30;
-        if (absolute(g.center[i]) + reach <= g.half[i]) continue; // all of it
+        if (absolute(g.center[i]) + reach <= g.half[i]) continue; // the whole core is between them
         if (g.axis[i] == 0 || absolute(g.center[i]) - reach > g.half[i]) return {1, 0};
         const std::int64_t a = g.crossing(i, g.half[i]), b = g.crossing(i, -g.half[i]);
         out.low = larger(out.low, smaller(a, b));
@@ -89,7 +91,8 @@ Stretch between_sides(const CoreAndBox& g, bool skip_x, bool skip_y, bool skip_z
     return out;
 }
 
-/// The core over the face `sign` of `axis`: the ends of what lies between the face's sides, and its closest point s.
+/// Adds contacts of the core over the face `sign` of `axis`: at the ends of its part between the face's sides,
+/// extended to its closest point s.
 void add_face_points(const CoreAndBox& g, int axis, std::int64_t sign, std::int64_t s, Manifold& out) {
     Stretch over = between_sides(g, axis == 0, axis == 1, axis == 2);
     over = over.low > over.high ? Stretch{s, s} : Stretch{smaller(over.low, s), larger(over.high, s)};
@@ -106,8 +109,8 @@ void add_face_points(const CoreAndBox& g, int axis, std::int64_t sign, std::int6
     }
 }
 
-/// The core beside the box's edge along `axis`, off by `normal` at its closest point: two points when it runs along
-/// the edge. False when it does not.
+/// Adds contacts of the core beside the box's edge along `axis`; `normal` is the direction at its closest
+/// point. Adds two points when the core runs along the edge; returns false when it does not.
 bool add_edge_line(const CoreAndBox& g, int axis, Long3 normal, Long3 at_closest, Manifold& out) {
     if (absolute(g.axis[axis]) < std::int64_t{1} << 29) return false;
     const Stretch along = between_sides(g, axis != 0, axis != 1, axis != 2);
@@ -131,7 +134,7 @@ bool add_edge_line(const CoreAndBox& g, int axis, Long3 normal, Long3 at_closest
     return true;
 }
 
-/// The core is outside: `gap` leads from the box to its closest point at s.
+/// The core is outside of the box. `gap` leads from the box to the core's closest point at s.
 void collide_outside(const CoreAndBox& g, std::int64_t s, Long3 gap, const Direction& to_core,
                      Manifold& out) {
     out.normal = unit_of_30(to_core.unit);
@@ -151,11 +154,11 @@ void collide_outside(const CoreAndBox& g, std::int64_t s, Long3 gap, const Direc
     add_round_point(out, point - gap, to_core.unit, to_core.length, Length{}, g.radius, g.margin, 0x200u);
 }
 
-/// An axis of least overlap: the separation of box and core along it, 30 fraction bits.
+/// The axis of least overlap; `separation` of box and core along it has 30 fraction bits.
 struct Overlap {
     std::int64_t separation;
     int axis;
-    bool is_edge; // along e_axis x core; else along the face's normal e_axis
+    bool is_edge; // along e_axis x core; else along the face normal e_axis
 };
 
 Overlap least_overlap(const CoreAndBox& g) {
@@ -170,8 +173,9 @@ Overlap least_overlap(const CoreAndBox& g) {
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         const std::int64_t square = g.axis[j] * g.axis[j] + g.axis[k] * g.axis[k];
-        if (square < std::int64_t{1} << 44) continue; // sin < 0.004: mostly rounding, the faces serve
-        const int spare = std::countl_zero(static_cast<std::uint64_t>(square)) / 2; // all 32 bits of the root
+        if (square < std::int64_t{1} << 44) continue; // sin < 0.004: mostly rounding error, the faces decide
+        // For all 32 bits of the root.
+        const int spare = std::countl_zero(static_cast<std::uint64_t>(square)) / 2;
         const std::int64_t sin = isqrt(static_cast<std::uint64_t>(square) << (2 * spare));
         const std::int64_t s_54 = absolute(g.center[k] * g.axis[j] - g.center[j] * g.axis[k]) -
                                   g.half[j] * absolute(g.axis[k]) - g.half[k] * absolute(g.axis[j]);
@@ -181,7 +185,7 @@ Overlap least_overlap(const CoreAndBox& g) {
     return best.is_edge ? best : Overlap{face.separation - g.bias(), face.axis, false};
 }
 
-/// The core reaches into the box, and is in it at `touching`.
+/// The core reaches into the box; its point at `touching` is inside.
 void collide_inside(const CoreAndBox& g, std::int64_t touching, Manifold& out) {
     const Overlap overlap = least_overlap(g);
     const int i = overlap.axis, j = (i + 1) % 3, k = (i + 2) % 3;

@@ -1,20 +1,21 @@
-// The pairs that `collide` hands out: between two convex shapes, a plane and a convex shape, and shapes of many parts.
+// The routines that `collide` calls: for two convex shapes, for a plane and a convex shape, and for shapes of
+// several parts.
 #pragma once
 
 #include "collide/narrow_phase.h"
 
 namespace lockstone::collide {
 
-/// Two convex shapes, or a plane (A) and a convex shape, in any order of kinds but that one. Overwrites `out`.
+/// Two convex shapes in any order of kinds, or a plane (A) and a convex shape. Overwrites `out`.
 void collide_pair(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
                   Manifold& out);
-/// B, convex, above a plane. `out` is zeroed.
+/// A plane (A) and a convex shape B. Needs a zeroed `out`.
 void collide_plane(const shapes::Solid& b, const RelativePose& pose, Length margin, Manifold& out);
 
-/// At least one of A and B is a compound; what `collide` needs.
+/// At least one of A and B is a compound. Needs the preconditions of `collide`.
 void collide_compound(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
                       NarrowScratch& scratch, Manifolds& out);
-/// A is a height field or mesh, B convex.
+/// A is a height field or mesh, B is convex.
 void collide_triangles(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
                        Length margin, NarrowScratch& scratch, Manifolds& out);
 

@@ -1,4 +1,4 @@
-// A plane against a convex shape: of the face that looks down most, four corners.
+// A plane against a convex shape: up to four corners of the shape's lowest face.
 #include "collide/core.h"
 #include "collide/pairs/box_box.h"
 #include "collide/pairs/pairs.h"
@@ -10,7 +10,8 @@ namespace lockstone::collide {
 
 namespace {
 
-/// A corner within the outline of a patch may be the lowest: it takes the place of the nearest point.
+/// The hull's lowest corner may be inside the outline of a patch, and then is no corner of the face. Adds it,
+/// in place of the nearest point when there are four.
 void add_furthest(const SupportPoint& furthest, SupportingFace& face, std::int64_t height_30,
                   ClipPoint (&points)[SupportingFace::corners_max], int& count) {
     if (std::find(face.ids, face.ids + face.count, furthest.id) != face.ids + face.count) return;
@@ -30,7 +31,8 @@ void add_furthest(const SupportPoint& furthest, SupportingFace& face, std::int64
 } // namespace
 
 void collide_plane(const shapes::Solid& b, const RelativePose& pose, Length margin, Manifold& out) {
-    const Convex shape = convex_of(b, pose.rotation, CoordinateVec3{}); // seen from its own origin
+    // In axes of the plane, from the shape's own origin.
+    const Convex shape = convex_of(b, pose.rotation, CoordinateVec3{});
     constexpr Long3 down{0, -(std::int64_t{1} << 30), 0};
     const std::int64_t height_30 = up(pose.position.y.raw - shape.radius.raw, 6);
     out.normal = {Unit{}, unit_one, Unit{}};

@@ -1,4 +1,5 @@
-// A point against a cylinder or cone, in closed form in the plane of the axis and the point; and against a triangle.
+// Closed forms for a point against a cylinder or cone, in the plane of the axis and the point, and against a
+// triangle.
 //
 // source: Ericson, Real-Time Collision Detection, 5.1 (closest points by regions).
 #include "collide/pairs/point.h"
@@ -8,12 +9,13 @@
 namespace lockstone::collide {
 namespace {
 
-/// A place in the half plane through the axis: `rim` from the axis, `y` along it; 30 fraction bits.
+/// A point in the half plane from the axis outward: `rim` is the distance from the axis, `y` the height along
+/// it; 30 fraction bits.
 struct Profile {
     std::int64_t rim, y;
 };
 
-/// What is nearest of a profile: the outward direction there, and how far out the point is along it.
+/// The nearest point of a profile: the outward normal there, and the distance of the point along it.
 struct NearestOfProfile {
     Profile normal; ///< unit
     std::int64_t distance;
@@ -42,16 +44,18 @@ NearestOfProfile nearest_of_cone(Profile p, std::int64_t radius, std::int64_t ha
     if (off_side <= 0 && off_base <= 0)
         return off_side > off_base ? NearestOfProfile{n, off_side} : NearestOfProfile{{0, -one_30}, off_base};
     if (off_base > 0 && p.rim <= radius) return {{0, -one_30}, off_base};
-    const Profile to_apex{-n.y, n.rim}; // from the rim of the base
+    const Profile to_apex{-n.y, n.rim}; // along the side, from the rim of the base
     if (along(to_apex, {p.rim - radius, p.y + half}) <= 0) return off_corner({p.rim - radius, p.y + half});
     if (along(to_apex, {p.rim, p.y - half}) >= 0) return off_corner({p.rim, p.y - half});
     return {n, off_side};
 }
 
-/// A triangle relative to the point, 24 fraction bits: no coordinate reaches 2^29, so products of two are below 2^62.
+/// A triangle relative to the point, 24 fraction bits: all coordinates are below 2^29, so products of two are
+/// below 2^62.
 struct RelativeTriangle {
     static constexpr int finer =
-        12; ///< nearest points have 36: a rounding shows less in the direction to them
+        /// nearest points have 36 fraction bits: roundings then affect the direction to them less
+        12;
     Long3 a, b, c;
 
     Long3 edge(Long3 from, Long3 to, std::int64_t part, std::int64_t whole) const {
@@ -62,8 +66,8 @@ struct RelativeTriangle {
     }
 };
 
-/// The nearest point when it is on the border of the triangle; false when it is within. By the regions of corners and edges; each
-/// sign is that of an exact integer.
+/// Finds the nearest point if it is on the border of the triangle; returns false when it is inside. Decides by
+/// the Voronoi regions of corners and edges; each sign is that of an exact integer.
 bool nearest_on_border(const RelativeTriangle& t, Long3& out_36) {
     const Long3 ab = t.b - t.a, ac = t.c - t.a;
     const std::int64_t d1 = -dot(ab, t.a), d2 = -dot(ac, t.a);
@@ -108,7 +112,7 @@ bool triangle_gap(const Convex& a, const Convex& b, Gap& out) {
         if (way.length < 0) way = {-way.unit, -way.length};
         for (int i = 0; i < 3; ++i) nearest[i] = -narrow_rounded(Wide::product(way.unit[i], way.length), 30);
     }
-    // Nearer, a rounding of the nearest point would show in the direction.
+    // For nearer points a rounding of the nearest point would change the direction.
     if (way.length < least_30) return false;
     out = {false, swapped ? -way.unit : way.unit, way.length, swapped ? at : at + nearest,
            swapped ? at + nearest : at};

@@ -1,4 +1,4 @@
-// Spheres and capsules against each other: closest points of their cores, swollen by the radii.
+// Spheres and capsules against each other: closest points of their cores, with a radius around each.
 //
 // source: Ericson, Real-Time Collision Detection, 5.1.9 (closest points of two segments)
 #include "collide/integer.h"
@@ -23,7 +23,7 @@ struct Segments {
         const std::int64_t along = s * axis[1] - dot(center, axis);
         return clamped(shift_right_rounded(along, 30), -half_b, half_b);
     }
-    /// The heights on A that B lies beside; low > high when there are none.
+    /// The range of heights on A that B is beside; low > high when it is empty.
     std::int64_t beside_low() const { return larger(-half_a, center[1] - reach_b()); }
     std::int64_t beside_high() const { return smaller(half_a, center[1] + reach_b()); }
 
@@ -31,26 +31,26 @@ struct Segments {
     std::int64_t reach_b() const { return shift_right_rounded(half_b * absolute(axis[1]), 30); }
 };
 
-/// The parameter on A of the closest points, before B's end is taken into account.
+/// The parameter on A of the closest points, before B's ends are considered.
 ///   sin^2 s = center . (y - axis.y axis)        (sin^2 without cancellation: axis.x^2 + axis.z^2)
 std::int64_t closest_parameter(const Segments& g) {
     const std::int64_t sin2_60 = g.axis[0] * g.axis[0] + g.axis[2] * g.axis[2];
-    if (sin2_60 <
-        (std::int64_t{1} << 34)) // within 1.2e-4 rad of parallel: the middle of what lies side by side
+    if (sin2_60 < (std::int64_t{1} << 34)) // within 1.2e-4 rad of parallel: the middle of the common range
         return clamped((g.beside_low() + g.beside_high()) >> 1, -g.half_a, g.half_a);
     const Long3 across{shift_right_rounded(-g.axis[1] * g.axis[0], 30), shift_right_rounded(sin2_60, 30),
                        shift_right_rounded(-g.axis[1] * g.axis[2], 30)};
     return ratio_clamped(dot(g.center, across), sin2_60, 30, -g.half_a, g.half_a);
 }
 
-/// Where the cores cross, the shortest way out is along y x axis; any direction across when they are parallel.
+/// When the cores cross, the shortest way out is along y x axis; when they are parallel, along x.
 Long3 crossing_normal(const Segments& g) {
     const Direction across = direction_of_30({g.axis[2], 0, -g.axis[0]});
     if (across.length == 0) return {one_30, 0, 0};
     return dot(across.unit, g.center) < 0 ? -across.unit : across.unit;
 }
 
-/// Two points where B lies beside A along one line of contact; false when it crosses or leaves that line.
+/// Adds two points where B is beside A along one line of contact. Returns false when B crosses or leaves that
+/// line.
 bool add_line(const Geometry& a, const Geometry& b, const Segments& g, const Direction& to_b, Length margin,
               Manifold& out) {
     const std::int64_t low = g.beside_low(), high = g.beside_high();
@@ -64,7 +64,8 @@ bool add_line(const Geometry& a, const Geometry& b, const Segments& g, const Dir
         const Long3 gap = g.gap(heights[k], u);
         const std::int64_t length = direction_of_30(gap).length;
         distance[k] = shift_right_rounded(dot(shifted(gap, 6), to_b.unit), 24);
-        // The cores' points are w off the line, w^2 = length^2 - distance^2, and the surface w^2 / 2 radius off it.
+        // The cores' points are off the line by w, w^2 = length^2 - distance^2, and the surface by w^2 / 2
+        // radius.
         const std::int64_t w2_40 = ((length - distance[k]) >> 10) * ((length + distance[k]) >> 10);
         if (w2_40 > (2 * bias * radius) >> 8) return false;
     }

@@ -17,14 +17,14 @@ bool make_line(CoordinateVec3 from, CoordinateVec3 way, Line& out) {
     }
     const detail::InverseRoot root = detail::inverse_root(n.high, n.low);
     for (int i = 0; i < 3; ++i) out.unit_60[i] = detail::scaled_to_60(out.way_24[i], root);
-    // Twelve bits more under the root are six more of the length.
+    // Twelve more bits under the root give six more bits of the length.
     out.length_30 = static_cast<std::int64_t>(detail::isqrt(n.high << 12 | n.low >> 52, n.low << 12));
     return out.length_30 <= up(cast_length_max.raw, 6);
 }
 
 Span span_of_ball(const Line& line, Long3 center_24, std::int64_t radius_24) {
-    constexpr std::int64_t guard_24 = 16; // what rounding the nearest point can hide
-    // Deep in a large ball the whole line is in it.
+    constexpr std::int64_t guard_24 = 16; // the error that rounding the nearest point can cause
+    // Deep inside a large ball the whole line is in it.
     const Long3 from_center = line.from_24 - center_24;
     const std::int64_t quarter = radius_24 / 4;
     if (absolute(from_center[0]) < quarter && absolute(from_center[1]) < quarter &&

@@ -10,7 +10,8 @@ Between between_plane(const Convex& shape, Long3 position_24) {
     return {height <= 0, {0, one_30, 0}, height, {lowest[0], -up(position_24[1], 6), lowest[2]}};
 }
 
-/// The obstacle in the working frame, whose origin is at `position_24` of the obstacle's solid.
+/// The obstacle in the working frame. The frame's origin is at `position_24` in the frame of the obstacle's
+/// solid.
 Convex placed(const Obstacle& o, Long3 position_24) {
     if (o.kind == Obstacle::Kind::triangle) {
         const Long3 corners[3] = {raw(o.triangle->corner[0]) - position_24,
@@ -23,8 +24,8 @@ Convex placed(const Obstacle& o, Long3 position_24) {
                      coordinates(raw(to<Coordinate>(o.place->position)) - position_24));
 }
 
-/// Whether the plane of a triangle parts a shape from it by more than the limit: `out` is a gap along its normal then. Most
-/// triangles near a way are told by that.
+/// True when the plane of a triangle separates it from a shape by more than the limit; `out` is then a gap
+/// along the plane's normal. Most triangles near a path are settled by this test.
 bool is_off_plane(const shapes::Face& t, const Convex& shape, Long3 position_24, std::int64_t limit_30,
                   Between& out) {
     constexpr std::int64_t roundings = 64;

@@ -1,4 +1,4 @@
-// Solids taken apart into what closest_points understands: convex shapes, triangles, and the plane.
+// Splits solids into the pieces that closest_points takes: convex shapes, triangles and planes.
 #pragma once
 
 #include "collide/convex/convex.h"
@@ -7,32 +7,33 @@
 
 namespace lockstone::collide {
 
-/// A piece of a solid that stands in the way, in that solid's frame.
+/// A convex piece of a solid, in that solid's frame.
 struct Obstacle {
     enum class Kind : std::uint8_t { convex, triangle, plane };
     Kind kind;
-    std::uint32_t feature;        ///< part or triangle; 0
-    const shapes::Solid* solid;   ///< convex
-    const Transform* place;       ///< of a part, else null
-    const shapes::Face* triangle; ///< of a triangle
-    bool one_sided;               ///< of a triangle
+    std::uint32_t feature;        ///< index of the part or triangle; else 0
+    const shapes::Solid* solid;   ///< of a convex piece or a plane
+    const Transform* place;       ///< pose of a part; else null
+    const shapes::Face* triangle; ///< of a triangle; else null
+    bool one_sided;               ///< of a triangle; else false
 };
 
-/// How far a convex shape is from an obstacle, roundings included.
+/// The gap between an obstacle and a convex shape, including the radii of their rounding.
 struct Between {
-    bool overlap;             ///< at most 0 apart; below is set when only the roundings overlap
-    Long3 normal_30;          ///< from the obstacle to the shape, in the obstacle's frame
-    std::int64_t distance_30; ///< [m], negative when only the roundings overlap
+    bool overlap;    ///< distance_30 <= 0; normal and point are then valid only if the cores are apart
+    Long3 normal_30; ///< from the obstacle to the shape, in the obstacle's frame
+    std::int64_t distance_30; ///< [m]; negative when they overlap, and then exact only if the cores are apart
     Long3 on_obstacle_30;     ///< from the shape's origin; nearest point of the obstacle's surface
 };
-/// `shape` stands at `position_24` of the obstacle's solid, but its center_24 is ignored: it is put at the origin of the working
-/// frame. May stop early as closest_points_within does.
+/// The origin of `shape` is at `position_24` in the frame of the obstacle's solid. shape.center_24 counts from
+/// that origin. May stop early above `limit_30`, as closest_points_within does.
 Between between(const Obstacle& obstacle, const Convex& shape, Long3 position_24, std::int64_t limit_30);
 
-/// The box around a ball that moves along from..to, all in 24 fraction bits.
+/// The bounds of a ball that moves from `from` to `to`.
 shapes::Extent swept_extent(Long3 from_24, Long3 to_24, std::int64_t radius_24);
 
-/// visit(obstacle) for the pieces of a solid whose extents overlap `where`, by ascending feature.
+/// Calls visit(obstacle) for the pieces of a solid whose extents overlap `where`, in ascending order of
+/// feature.
 template <class Visit>
 void for_each_obstacle(const shapes::Solid& solid, const shapes::Extent& where, NarrowScratch& scratch,
                        Visit&& visit) {
@@ -64,7 +65,8 @@ void for_each_obstacle(const shapes::Solid& solid, const shapes::Extent& where, 
     }
 }
 
-/// visit(solid, place, index) for the convex parts of a solid without triangles; `place` is null when it is its own part.
+/// Calls visit(solid, place, index) for the convex parts of a solid without triangles; `place` is null when the
+/// solid is no compound.
 template <class Visit> void for_each_part(const shapes::Solid& solid, Visit&& visit) {
     if (solid.geometry.kind != ShapeKind::compound) return visit(solid, nullptr, 0u);
     for (std::uint32_t i = 0; i < solid.compound->parts.size(); ++i) {

@@ -1,9 +1,9 @@
 // Rays against convex solids, planes and compounds.
 //
-// A convex solid is the intersection of slabs, half-spaces, balls and tubes, and the ray's part in it the intersection
-// of its parts in those; a capsule is a union, and its part in that the hull of the parts. For a cone and for rounded
-// shapes the distance along the ray is found by Newton's method on a convex function from the side where it is positive:
-// no step can go too far.
+// Most convex solids are an intersection of slabs, half-spaces, balls and tubes; the ray's interval in the
+// solid is the intersection of its intervals in those. A capsule is a union; its interval is the hull of the
+// intervals. For cones and rounded shapes the distance along the ray comes from Newton's method on a convex
+// function, from the side where it is positive: no step can go too far.
 //
 // source: Ericson, Real-Time Collision Detection, 5.3; Kay and Kajiya, Ray Tracing Complex Scenes, 1986 (slabs)
 #include "collide/convex/convex.h"
@@ -15,15 +15,15 @@ namespace {
 
 constexpr std::int64_t far_30 = std::int64_t{1} << 62;
 
-/// A ray about the solid's origin: the origin of s is the point of the ray nearest to it. In units of 2^-30 m at the scale
-/// the shape's sizes are given in. Everything that matters is within 2^9 m of the origin.
+/// A ray relative to the solid's origin: s = 0 is the point of the ray nearest to that origin. Lengths are in
+/// units of 2^-30 m, divided by the shape's scale. All relevant coordinates are within 2^9 m of the origin.
 struct Local {
     Long3 o;       ///< the point at s = 0
     Long3 unit_60; ///< its direction
     std::int64_t start, end;
 };
 
-/// Where a ray is in a convex set, and the normals where it enters.
+/// The ray's interval in a convex set, and the normal where it enters.
 struct Part {
     std::int64_t enter = -far_30, exit = far_30;
     Long3 normal{}; ///< 30 bits, at `enter`
@@ -42,7 +42,7 @@ Long3 axis_normal(int axis, std::int64_t direction) {
     return n;
 }
 
-/// |x| <= half along an axis.
+/// Intersects with the slab |x| <= half along an axis.
 void clip_slab(const Local& ray, int axis, std::int64_t half, Part& part) {
     const std::int64_t o = ray.o[axis], u = ray.unit_60[axis];
     if (u == 0) {
@@ -54,7 +54,7 @@ void clip_slab(const Local& ray, int axis, std::int64_t half, Part& part) {
     part.leave_at(divide_shifted(-near - o, u, 60));
 }
 
-/// The ball about (0, y, 0).
+/// The ray's interval in the ball around (0, y, 0).
 Part part_in_ball(const Local& ray, std::int64_t y, std::int64_t radius) {
     const Long3 p{ray.o[0], ray.o[1] - y, ray.o[2]};
     const std::int64_t along = dot_dropped(p, ray.unit_60, 60);
@@ -72,8 +72,8 @@ Part part_in_ball(const Local& ray, std::int64_t y, std::int64_t radius) {
     return part;
 }
 
-/// The endless tube around the y axis. In the x-z plane: the ray's direction (to 60 bits), how far along it the ray is
-/// and how far beside the axis it passes.
+/// Intersects with the endless tube around the y axis. In the x-z plane it computes the ray's direction (60
+/// bits), the ray's position along it and its distance from the axis.
 void clip_tube(const Local& ray, std::int64_t radius, Part& part) {
     const std::int64_t ux = ray.unit_60[0], uz = ray.unit_60[2], ox = ray.o[0], oz = ray.o[2];
     const std::int64_t across =
@@ -90,7 +90,7 @@ void clip_tube(const Local& ray, std::int64_t radius, Part& part) {
     const std::int64_t half = static_cast<std::int64_t>(isqrt(left));
     const std::int64_t enter = divide_shifted(-half - along, across, 60);
     const Long3 at{ox + times_60(enter, ux), 0, oz + times_60(enter, uz)};
-    // A ray almost along the axis enters far away: past what matters, and its normal is not asked for.
+    // A ray almost along the axis enters far outside of the shape, where its normal is never used.
     if (enter > -one_30 * 4096) part.enter_at(enter, direction_of_30(at).unit);
     part.leave_at(divide_shifted(half - along, across, 60));
 }
@@ -113,7 +113,8 @@ Part part_in_capsule(const Local& ray, const Geometry& g) {
     return whole;
 }
 
-/// By the merged faces: the polytope they bound holds the hull and is larger by at most their flatness.
+/// The ray's interval in the polytope bounded by the merged faces. The polytope contains the hull and is larger
+/// by at most the flatness of the faces.
 Part part_in_faces(const Local& ray, const shapes::Hull& hull) {
     Part part;
     for (const shapes::Hull::Face& face : hull.faces) {
@@ -132,7 +133,7 @@ Part part_in_faces(const Local& ray, const shapes::Hull& hull) {
     return part;
 }
 
-/// A convex function along the ray, and its slope ahead.
+/// The value of a convex function on the ray, its derivative along the ray, and the surface normal.
 struct Value {
     std::int64_t above_30, slope_60;
     Long3 normal_30;
@@ -140,8 +141,8 @@ struct Value {
 
 constexpr int newton_steps_max = 64;
 
-/// The first place not before the start where `value_at` is at most `close`. Tangents of a convex function lie below it, so each
-/// step stops short of the first zero or on it; at a tangential one the error halves.
+/// Finds the first s not before `start` where `value_at` is at most `close`. Tangents of a convex function lie
+/// below it, so no step passes the first zero; at a tangential zero each step halves the error.
 template <class ValueAt>
 bool newton(const Local& ray, std::int64_t start, std::int64_t close, ValueAt&& value_at, Part& part) {
     std::int64_t s = start;
@@ -161,13 +162,13 @@ bool newton(const Local& ray, std::int64_t start, std::int64_t close, ValueAt&& 
     return true;
 }
 
-/// The greater of the distances to the mantle's cone and to the plane of the base.
+/// The greater of the signed distances to the mantle's cone and to the plane of the base.
 Value cone_value(const Local& ray, const Geometry& g, std::int64_t cosine_60, std::int64_t sine_60,
                  std::int64_t s) {
     const std::int64_t half = up(g.half_extent.y.raw, 6);
     const Long3 p = ray.o + times_60(ray.unit_60, s);
     const std::int64_t below = -half - p[1];
-    // Ten bits more than p: near the apex the direction of the normal hangs on it.
+    // Ten bits more than p: near the apex the direction of the normal depends on it.
     const std::int64_t rho_40 =
         static_cast<std::int64_t>(isqrt((Wide::product(p[0], p[0]) + Wide::product(p[2], p[2])) << 20));
     const std::int64_t beside =
@@ -197,7 +198,8 @@ bool cast_cone(const Local& ray, const Geometry& g, Part& part) {
         ray, ray.start, 2, [&](std::int64_t s) { return cone_value(ray, g, cosine, sine, s); }, part);
 }
 
-/// The distance of a point to the core, less the rounding. The point has 24 fraction bits.
+/// Newton's method on the distance of a point to the core, minus the radius of the rounding. The point has 24
+/// fraction bits.
 bool cast_rounded(const Local& ray, const shapes::Solid& solid, std::int64_t start, Part& part) {
     constexpr std::int64_t close_30 = 512; // 0.5 um
     const Convex core = convex_of(solid, Rotation::identity(), CoordinateVec3{});
@@ -213,7 +215,8 @@ bool cast_rounded(const Local& ray, const shapes::Solid& solid, std::int64_t sta
     return newton(ray, start, close_30, value_at, part);
 }
 
-/// From where the merged faces are entered, whose normals are the hull's, on to the surface itself.
+/// Starts where the ray enters the merged faces, whose normals are the hull's, and continues to the surface
+/// itself.
 bool cast_hull(const Local& ray, const shapes::Solid& solid, Part& part) {
     part = part_in_faces(ray, *solid.hull);
     if (part.empty() || part.exit < ray.start || part.enter > ray.end) return false;
@@ -255,7 +258,7 @@ bool part_in(const shapes::Solid& solid, const Local& ray, Part& part) {
     return !part.empty();
 }
 
-/// The power of two that a primitive's sizes are to be multiplied by.
+/// The exponent of a primitive's scale, which is a power of two; 0 for hulls.
 int scale_shift(const Geometry& g) {
     return g.kind == ShapeKind::hull ? 0 : bit_length(static_cast<std::uint64_t>(g.scale.x.raw >> 24)) - 1;
 }
@@ -319,8 +322,8 @@ bool cast_ray_convex(const shapes::Solid& solid, const Line& line, CastHit& hit)
     return true;
 }
 
-/// The line is shortened to the part's surroundings before it is turned, so that a rounding of the rotation does not grow
-/// with its length.
+/// Shortens the line to the part's surroundings before it turns it, so that rounding errors of the rotation do
+/// not grow with its length.
 bool cast_ray_part(const shapes::Compound::Part& part, const Line& line, CastHit& hit) {
     const CoordinateVec3 center = to<Coordinate>(part.local.position);
     const Span span = span_of_ball(line, raw(center), reach_24(part.solid));

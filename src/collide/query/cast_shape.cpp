@@ -1,7 +1,8 @@
-// Convex shapes that move along a line without turning.
+// Convex shapes that move along a line without rotation.
 //
-// The distance of two convex shapes is a convex function of their relative position: Newton's method along the line, with
-// the normal of the closest points as gradient, never steps past the first contact and converges as the square.
+// The distance of two convex shapes is a convex function of their relative position. Newton's method along the
+// line, with the normal of the closest points as gradient, never steps past the first contact and converges
+// quadratically.
 //
 // source: van den Bergen, Ray Casting against General Convex Objects, 2004
 #include "collide/core.h"
@@ -12,12 +13,12 @@
 namespace lockstone::collide {
 namespace {
 
-constexpr std::int64_t close_30 = 1024; ///< 1 um: nearer counts as touching
+constexpr std::int64_t close_30 = 1024; ///< 1 um: shapes nearer than this count as touching
 constexpr int steps_max = 64;
 
 struct Caster {
-    const Line& line;    ///< of the shape's origin, in the solid's frame
-    const Convex& shape; ///< at the origin
+    const Line& line;    ///< path of the shape's origin, in the solid's frame
+    const Convex& shape; ///< with its origin at the origin of the working frame
     std::int64_t reach_24;
 };
 
@@ -30,22 +31,23 @@ struct BallPath {
     const Line& line;
     std::int64_t radius_24;
 
-    /// Within 32 m on each axis: products stay in 64 bits.
+    /// Within 32 m on each axis: products fit 64 bits.
     static bool is_near(Long3 x) { return ((absolute(x[0]) | absolute(x[1]) | absolute(x[2])) >> 29) == 0; }
-    /// Within 16 m: then what lies between two of them is near as well.
+    /// Within 16 m on each axis: the difference of two such points is near.
     static bool is_close(Long3 x) {
         constexpr std::int64_t most = std::int64_t{1} << 28;
         return static_cast<std::uint64_t>((x[0] + most) | (x[1] + most) | (x[2] + most)) >> 29 == 0;
     }
-    /// A place after `from_30`, where the ball is at `from_24`, at which it comes down onto the plane from the front: to half of
-    /// what counts as touching. False when it touches the plane already or is far away: then nothing is known.
+    /// Finds the first distance after `from_30` at which the ball touches the plane from the front, with half
+    /// of the touching distance left. The ball's centre is at `from_24` at the start. Returns false, with no
+    /// result, when the ball already touches the plane or is far away.
     bool find_plane(const shapes::FacePlane& plane, std::int64_t from_30, Long3 from_24,
                     std::int64_t slope_60, std::int64_t& at_30) const {
         const Long3 off = from_24 - raw(plane.on);
         if (!is_near(off)) return false;
         const std::int64_t gap = shift_right_rounded(dot(raw(plane.normal), off), 24) - up(radius_24, 6);
         if (gap <= close_30) return false;
-        // Off the grazing, and within 8 m, 30 bits of the slope are enough for a billionth of the way.
+        // Except at grazing angles, and within 8 m, 30 bits of the slope give a billionth of the distance.
         constexpr std::int64_t steep_60 = std::int64_t{1} << 55;
         const std::int64_t way = gap - close_30 / 2;
         at_30 = add_saturated(from_30, -slope_60 >= steep_60 && (way >> 33) == 0
@@ -53,7 +55,7 @@ struct BallPath {
                                            : divide_shifted(way, -slope_60, 60));
         return true;
     }
-    /// Whether a centre is above a triangle.
+    /// True when the ball's centre is above the triangle.
     static bool is_above(const shapes::Face& triangle, Long3 at_24) {
         const Long3 normal = raw(triangle.normal);
         const Long3 off[3] = {at_24 - raw(triangle.corner[0]), at_24 - raw(triangle.corner[1]),
@@ -66,7 +68,7 @@ struct BallPath {
         }
         return true;
     }
-    /// Of a ball that came down onto a triangle's face, within the line.
+    /// The hit of a ball on a triangle's face, at a distance within the line.
     CastHit hit_on_face(const shapes::Face& triangle, std::int64_t at_30, Long3 at_24) const {
         CastHit hit;
         hit.distance = distance_at(at_30);
@@ -81,7 +83,7 @@ struct BallPath {
     }
 };
 
-/// The first contact with an obstacle between two places of the line. True: `hit` is set.
+/// Finds the first contact with an obstacle in a range of the line. Sets `hit` when the result is true.
 bool cast_at(const Caster& c, const Obstacle& o, Span span, CastHit& hit) {
     constexpr std::int64_t no_limit = std::int64_t{1} << 60;
     std::int64_t at = span.enter_30;
@@ -102,14 +104,15 @@ bool cast_at(const Caster& c, const Obstacle& o, Span span, CastHit& hit) {
             hit.point = coordinates(seen_from + shifted(last.on_obstacle_30, 6));
             return true;
         }
-        // To half of what counts as touching: closer, a rounding could make it an overlap, which has no normal.
+        // Step to half of the touching distance: any closer, rounding could turn it into an overlap, which has
+        // no normal.
         at = add_saturated(at, larger(1, divide_shifted(b.distance_30 - close_30 / 2, -slope, 60)));
         if (at > span.exit_30) return false;
     }
     return false;
 }
 
-/// A one-sided triangle that the shape leaves behind can only be overlapped at the start.
+/// True for a one-sided triangle from which the shape moves away: only an overlap at the start can hit it.
 bool faces_away(const Obstacle& o, const Line& line) {
     return o.kind == Obstacle::Kind::triangle && o.one_sided &&
            dot_dropped(raw(o.triangle->normal), line.unit_60, 30) >= 0;
@@ -132,7 +135,7 @@ void try_obstacle(const Caster& c, const Obstacle& o, Span span, CastHit& hit, b
     found = true;
 }
 
-/// At the origin. A ball's axes nobody asks for.
+/// A ball at the origin. Its axes stay zero: no computation reads them.
 Convex ball_of(std::int64_t radius_24) {
     Convex ball{};
     ball.core = Convex::Core::point;
@@ -140,23 +143,25 @@ Convex ball_of(std::int64_t radius_24) {
     return ball;
 }
 
-/// Balls against triangles: first those that the ball comes down on, for what it may touch beside them then ends there. The order
-/// decides on speed alone.
+/// Casts a ball against triangles. Contacts with faces come first, because each one ends the search for edge
+/// contacts beyond it. The order changes speed only.
 class BallCaster {
   public:
-    /// Of the part of a path from a place on, where the ball is at `at_24`.
+    /// For the part `where` of a path. `at_24`: the ball's centre at its start. `first` and `any` receive the
+    /// hit.
     BallCaster(const shapes::Solid& of, const BallPath& way, Span where, Long3 at_24, CastHit& first,
                bool& any)
         : solid(of), path(way), span(where), from_24(at_24), hit(first), found(any) {}
 
-    /// face(): what the plane is of.
+    /// Tests one triangle by its plane. face() returns the triangle of the plane.
     template <class MakeFace> void visit(const shapes::FacePlane& plane, MakeFace&& face) {
         const std::int64_t slope = slope_60(raw(plane.normal), path.line.unit_60);
         std::int64_t at = 0;
         if (slope >= 0 || !path.find_plane(plane, span.enter_30, from_24, slope, at))
             return touch(face(), span);
         if (at > span.exit_30) return;
-        // Behind a face that it came down on; in the same place the lower index is the first, and that was visited before.
+        // Skips a triangle beyond the face already hit. At equal distance the lower index comes first, and was
+        // visited before.
         if (at >= face_30 && BallPath::distance_at(at) >= hit.distance) return;
         const shapes::Face& triangle = face();
         const Long3 at_24 = position_24(path.line, at);
@@ -175,7 +180,8 @@ class BallCaster {
     void finish() {
         for (std::size_t i = 0; i < count; ++i) {
             const Waiting& last = waiting[i];
-            // It only touches later. Of faces side by side in one plane rounding would decide which is first.
+            // The ball touches this triangle later than the face. Among adjacent faces in one plane rounding would
+            // decide the order.
             if (last.at_30 >= face_30 - close_30 || (found && last.at_30 >= up(hit.distance.raw, 6)))
                 continue;
             touch(last.triangle, {last.at_30, span.exit_30});
@@ -193,7 +199,7 @@ class BallCaster {
     static constexpr std::size_t waiting_max = 12;
     struct Waiting {
         shapes::Face triangle;
-        std::int64_t at_30; ///< not touched before
+        std::int64_t at_30; ///< the ball does not touch it earlier
     };
     const shapes::Solid& solid;
     const BallPath& path;
@@ -201,13 +207,14 @@ class BallCaster {
     Long3 from_24;
     CastHit& hit;
     bool& found;
-    std::int64_t face_30 = std::int64_t{1} << 60; ///< where the ball comes down onto a face
+    std::int64_t face_30 = std::int64_t{1} << 60; ///< distance at which the ball touches a face first
     std::size_t count = 0;
     std::array<Waiting, waiting_max> waiting;
 };
 
-/// Along the line in pieces of a few times the shape's size, so that few obstacles are looked at twice, until something is found before
-/// the next. look(span, at_24, where) is told the rest of the line, its begin, and the box of the piece; it returns how many it saw.
+/// Searches along the line in pieces of a few times the shape's size, so that few obstacles are tested twice.
+/// Stops when a hit lies before the next piece. look(span, at_24, where) takes the rest of the line, its start
+/// and the box of the piece, and returns how many obstacles it tested.
 template <class Look>
 void look_in_pieces(const shapes::Solid& solid, const Line& line, std::int64_t reach_24, const bool& found,
                     const CastHit& hit, Look&& look) {
@@ -250,11 +257,12 @@ bool holds(const shapes::Extent& all, const shapes::Extent& part) {
     return true;
 }
 
-/// Whether the triangles whose boxes meet `where` are kept. Those around it are, where they are few, when they were not.
+/// Returns true when the cache holds all triangles whose boxes meet `where`. When it does not cover `where`, it is
+/// first filled again with the triangles around `where`; if they are many, it stays empty and the result is false.
 bool keeps(NearFaces& near, const shapes::Solid& solid, const shapes::Extent& where, std::int64_t radius_24,
            NarrowScratch& scratch) {
     if (near.of == solid.geometry && holds(near.within, where)) return !near.too_many;
-    constexpr std::size_t few = 64; // each is looked at by every ball
+    constexpr std::size_t few = 64; // every cast of a ball tests each of them
     near.of = solid.geometry;
     near.within = swept_extent(raw(where.lower), raw(where.upper), 2 * radius_24);
     near.faces.clear();
@@ -271,7 +279,7 @@ bool keeps(NearFaces& near, const shapes::Solid& solid, const shapes::Extent& wh
 
 bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
                  const Line& way, NarrowScratch& scratch, CastHit& hit) {
-    // Above a plane only the height counts: the place beside it would leave the range far from the plane's origin.
+    // Above a plane only the height counts: a position far beside the plane's origin would leave the range.
     const CoordinateVec3 from = solid.geometry.kind == ShapeKind::plane
                                     ? CoordinateVec3{Coordinate{}, pose.position.y, Coordinate{}}
                                     : pose.position;

@@ -1,8 +1,8 @@
 // Rays against meshes and height fields.
 //
-// Whether the ray's line passes a triangle is decided by the signs of three volumes, of the line and each edge. They
-// are exact integers, and the two triangles at an edge see the same one with opposite signs, so a line through an edge or
-// a corner counts for every triangle there and never slips through.
+// The signs of three volumes, each of the line and an edge, decide whether the line crosses a triangle. They
+// are exact integers, and the two triangles at an edge compute the same volume with opposite signs. A line
+// through an edge or a corner therefore hits every triangle there and never slips through.
 //
 // source: Segura and Feito, An Algorithm for Determining Intersection Segment-Polygon in 3D, 1998 (signed volumes)
 #include "collide/query/cast_line.h"
@@ -26,7 +26,7 @@ Wide3 cross_wide(Long3 a, Long3 b) {
             Wide::product(a[2], b[0]) - Wide::product(a[0], b[2]),
             Wide::product(a[0], b[1]) - Wide::product(a[1], b[0])};
 }
-/// a has components below 2^40, the product's below 2^82: the sum stays below 2^124.
+/// The components of b are below 2^40 and those of a below 2^82: the sum stays below 2^124.
 Wide dot_wide(Wide3 a, Long3 b) { return product(a.x, b[0]) + product(a.y, b[1]) + product(a.z, b[2]); }
 
 bool is_zero(Wide w) { return w.high_bits() == 0 && w.low_bits() == 0; }
@@ -34,11 +34,11 @@ bool is_zero(Wide w) { return w.high_bits() == 0 && w.low_bits() == 0; }
 /// The line with its origin moved near the triangles: one origin for all triangles of a solid.
 struct Anchored {
     Long3 origin_24, way_24;
-    std::int64_t at_30; ///< of the origin, on the line
+    std::int64_t at_30; ///< distance of the new origin along the line
     std::int64_t length_30;
 };
 
-/// n / d with 60 fraction bits; false when it is not within +-2.
+/// n / d with 60 fraction bits. Returns false when it is outside of +-2.
 bool quotient_60(Wide n, Wide d, std::int64_t& out) {
     const Wide positive = d.is_negative() ? Wide::from(0) - d : d;
     const auto high = static_cast<std::uint64_t>(positive.high_bits());
@@ -46,14 +46,15 @@ bool quotient_60(Wide n, Wide d, std::int64_t& out) {
     const auto fitted = [bits](Wide w) {
         return saturate_to_int64(bits > 60 ? w >> (bits - 60) : w << (60 - bits));
     };
-    // A numerator of more than 61 bits makes the quotient too great; the shift to the left must not lose it.
+    // A numerator of more than 61 bits makes the quotient too large. This test comes first, because the left
+    // shift must not lose bits.
     const Wide twice = positive << 1;
     if (twice < n || twice < Wide::from(0) - n) return false;
     out = divide_shifted(fitted(n), fitted(d), 60);
     return true;
 }
 
-/// Where the line meets the triangle; the front is where the normal points.
+/// Intersects the line with a triangle. The front is the side to which the normal points.
 bool meets(const Anchored& line, const shapes::Face& triangle, bool two_sided, std::int64_t& at_30,
            bool& from_front) {
     Long3 corner[3];
@@ -67,7 +68,8 @@ bool meets(const Anchored& line, const shapes::Face& triangle, bool two_sided, s
         else if (!is_zero(volume[i]))
             any_positive = true;
     }
-    if (any_positive == any_negative) return false; // beside it, or along its plane
+    // The line is beside the triangle or parallel to its plane.
+    if (any_positive == any_negative) return false;
     from_front = any_negative;
     if (!from_front && !two_sided) return false;
     const Wide slope = volume[0] + volume[1] + volume[2];
@@ -90,7 +92,7 @@ shapes::Extent extent_of_piece(const Line& line, std::int64_t from_30, std::int6
     return {coordinates(low), coordinates(high)};
 }
 
-/// A first guess of the length of a piece that passes a handful of triangles.
+/// Initial length of a piece of the line, so that its box meets a handful of triangles.
 std::int64_t piece_length_30(const shapes::Solid& solid, const shapes::Extent& extent) {
     const Long3 size = raw(extent.upper) - raw(extent.lower);
     const std::int64_t widest = larger(size[0], larger(size[1], size[2]));

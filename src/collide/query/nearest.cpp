@@ -36,8 +36,8 @@ void try_obstacle(Search& s, const Obstacle& o) {
     n.on_b = coordinates(s.position_24 + shifted(b.on_obstacle_30 + across, 6));
 }
 
-/// Of a solid with many pieces, by looking in growing boxes: the first that holds a point nearer than its half width holds the
-/// nearest one.
+/// Searches a solid with many pieces in growing boxes. The first box that holds a point nearer than its half
+/// width holds the nearest one.
 void search_pieces(const shapes::Solid& a, std::int64_t reach, NarrowScratch& scratch, Search& s) {
     const std::int64_t limit = s.limit_30;
     const std::int64_t limit_24 = (limit >> 6) + 1;

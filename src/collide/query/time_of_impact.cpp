@@ -1,5 +1,6 @@
-// Times of impact of turning shapes, by conservative advancement: at each step the gap is measured along the normal of the
-// closest points, and no point can close it faster than the bodies approach along that normal plus what turning adds.
+// Times of impact of turning shapes, by conservative advancement. Each step measures the gap along the normal
+// of the closest points. The gap closes no faster than the approach of the bodies along that normal plus the
+// speed that turning adds.
 //
 // source: Mirtich, Impulse-based Dynamic Simulation, 1996; Zhang, Redon, Lee, Kim, Continuous Collision Detection for
 // Articulated Models using Taylor Models and Temporal Culling, 2007 (motion bound of a turning body along a direction)
@@ -14,18 +15,21 @@ namespace {
 constexpr std::int64_t anything_30 = std::int64_t{1} << 60;
 constexpr int advances_max = 256;
 constexpr std::int64_t stop_gap_30 = std::int64_t{stop_gap.raw} << 6;
-/// Nearer at the start counts as touching: more than where a sweep stops, so that what was stopped touches in the next tick.
+/// A gap below this counts as touching at the start. It is larger than the gap at which a sweep stops, so that
+/// a stopped shape counts as touching in the next tick.
 constexpr std::int64_t touching_gap_30 = stop_gap_30 + stop_gap_30 / 4;
-/// More than what gaps and approaches are off by, where a plane or an extent is to tell what closest points would.
+/// A bound of the rounding errors of gaps and approaches, for tests by a plane or an extent that replace
+/// closest points.
 constexpr std::int64_t roundings = 1024;
 
-/// How a body turns in its way: about one axis, at no more than `rate`.
+/// Rotation of a body during its motion: about one axis, at most at `rate`.
 struct Spin {
-    Long3 axis_30;        ///< zero: not known well
-    std::int64_t rate_30; ///< [rad per way]
+    Long3 axis_30;        ///< zero: not known accurately
+    std::int64_t rate_30; ///< [rad per motion]
 };
 
-/// With half-angle a between the quaternions, nlerp turns at most 4 tan(a / 2), and tan(a / 2) = |p - q| / |p + q|.
+/// With half-angle a between the quaternions p and q, the rate of nlerp is at most 4 tan(a / 2), and
+/// tan(a / 2) = |p - q| / |p + q|.
 Spin spin_of(const Sweep& s) {
     if (s.from.rotation == s.to.rotation) return {Long3{}, 0};
     const Quat p = s.from.rotation, q = s.to.rotation;
@@ -38,7 +42,7 @@ Spin spin_of(const Sweep& s) {
     }
     const std::int64_t chord = isqrt(std::min(apart, together)) + 1, sum = isqrt(std::max(apart, together));
     const Quat turn = q * conjugate(p);
-    constexpr std::int64_t known = 1 << 12; // an axis from a smaller turn is mostly rounding
+    constexpr std::int64_t known = 1 << 12; // the axis of a smaller turn is mostly rounding error
     const Long3 axis = chord > known ? direction_of_30({turn.x.raw, turn.y.raw, turn.z.raw}).unit : Long3{};
     return {axis, divide_shifted(4 * chord, sum, 30) + 8};
 }
@@ -50,14 +54,14 @@ std::int64_t length_of(Long3 v) {
 }
 std::int64_t times_30(std::int64_t a, std::int64_t b) { return narrow_rounded(Wide::product(a, b), 30); }
 
-/// How fast a point within `reach` of the axis can move along a unit direction by turning.
+/// A bound of the speed along a unit direction at which turning moves a point within `reach` of the axis.
 std::int64_t turning_30(const Spin& spin, Long3 direction_30, std::int64_t reach_30) {
     if (spin.rate_30 == 0) return 0;
     std::int64_t across = one_30;
     if ((spin.axis_30[0] | spin.axis_30[1] | spin.axis_30[2]) != 0) {
         const Long3 n = direction_30, k = spin.axis_30;
         const Long3 cross{n[1] * k[2] - n[2] * k[1], n[2] * k[0] - n[0] * k[2], n[0] * k[1] - n[1] * k[0]};
-        // An axis is right to 2^-30 / the sine of the half turn: 2^-18 at worst.
+        // The axis is accurate to 2^-30 / the sine of the half turn: 2^-18 at worst.
         across = smaller(one_30, length_of(shifted(cross, 30)) + (1 << 13));
     }
     return times_30(times_30(across, spin.rate_30), reach_30) + 2;
@@ -65,16 +69,16 @@ std::int64_t turning_30(const Spin& spin, Long3 direction_30, std::int64_t reach
 
 Long3 way_30(const Sweep& s) { return shifted(raw(s.to.position - s.from.position), 2); }
 
-/// A convex part of B, or the ball or the point in it.
+/// A convex part of B, or the ball or the point in its core.
 struct Mover {
     const shapes::Solid* solid;
-    Transform place; ///< of the part, from B's centre of mass
+    Transform place; ///< pose of the part in the frame of B's centre of mass
     bool is_ball;
     Coordinate radius;     ///< of the ball
     Vec3 center;           ///< of the ball, in the part's frame
-    std::int64_t reach_30; ///< of the core's points from B's centre of mass
-    Vec3 shift;            ///< world: where it is moved to for the test
-    int thin_bits = 0;     ///< its rounding is 2^-thin_bits of what it is
+    std::int64_t reach_30; ///< distance of the core's points from B's centre of mass, at most
+    Vec3 shift;            ///< world: displacement of the mover for the test
+    int thin_bits = 0;     ///< the test uses the radius of the rounding divided by 2^thin_bits
 
     Transform pose(const Sweep& b, Unit fraction) const {
         const Transform body = body_pose_at(b, fraction);
@@ -104,7 +108,8 @@ Transform place_in_body(const Sweep& b, const Transform* part) {
 std::int64_t length_30(Vec3 v) { return shift_right_rounded(length(v).raw, 2) + 1; }
 
 Mover mover_of(const shapes::Solid& part, const Transform& place) {
-    // A rounding does not turn: only the core's points count. Of what has no core known here, all of it.
+    // Turning does not move the rounding of a shape, only the core's points. For kinds whose core's reach is
+    // not computed here, the whole shape counts.
     const Geometry& g = part.geometry;
     std::int64_t core = up(reach_24(part), 6);
     if (g.kind == ShapeKind::sphere) core = 0;
@@ -120,21 +125,22 @@ Mover ball_of(const Mover& whole, Coordinate radius) {
     return ball;
 }
 
-/// Two ways and what bounds their approach.
+/// The motions of both bodies, and bounds of their approach.
 struct Ways {
     const Sweep &a, &b;
     Spin spin_a, spin_b;
-    Long3 closing_30;      ///< way of A less way of B
+    Long3 closing_30;      ///< displacement of A minus displacement of B
     std::int64_t speed_30; ///< its length
-    std::int64_t apart_30; ///< of the centres of mass, at most
+    std::int64_t apart_30; ///< a bound of the distance of the centres of mass during the motion
 
     Ways(const Sweep& sweep_a, const Sweep& sweep_b)
         : a(sweep_a), b(sweep_b), spin_a(spin_of(a)), spin_b(spin_of(b)), closing_30(way_30(a) - way_30(b)),
           speed_30(length_of(closing_30)), apart_30(length_30(b.from.position - a.from.position) + speed_30) {
     }
 
-    /// No gap along a direction from A to B (world) closes faster [m per way]. A's turning moves its own points, or in its
-    /// frame B's and the direction: the smaller bound holds.
+    /// A bound of the speed at which a gap along a direction from A to B (world) closes [m per motion]. A's
+    /// turning can be seen as motion of A's points, or in A's frame as motion of B's points and of the
+    /// direction; the smaller of both bounds holds.
     std::int64_t approach_30(const Mover& m, std::int64_t reach_a_30, Long3 direction_30) const {
         const std::int64_t sum =
             dot_dropped(closing_30, direction_30, 30) + turning_30(spin_b, direction_30, m.reach_30) + 4;
@@ -144,14 +150,14 @@ struct Ways {
                smaller(turning_30(spin_a, direction_30, reach_a_30),
                        turning_30(spin_a, direction_30, reach_b_30) + times_30(spin_a.rate_30, speed_30));
     }
-    /// The same for any direction.
+    /// As above, for any direction.
     std::int64_t approach_max_30(const Mover& m, std::int64_t reach_a_30) const {
         return speed_30 + times_30(spin_b.rate_30, m.reach_30) + 64 +
                smaller(times_30(spin_a.rate_30, reach_a_30),
                        times_30(spin_a.rate_30,
                                 apart_30 + m.reach_30 + up(std::int64_t{m.radius.raw}, 6) + speed_30));
     }
-    /// Of an obstacle's points from A's centre of mass.
+    /// Distance of an obstacle's points from A's centre of mass, at most; 0 when A does not turn.
     std::int64_t reach_of(const Obstacle& o) const {
         if (spin_a.rate_30 == 0) return 0;
         switch (o.kind) {
@@ -174,10 +180,10 @@ struct Measured {
     Long3 direction_30; ///< world, from A to B
 };
 
-/// Where a mover stands at a time, as all pieces of A see it.
+/// Pose and shape of a mover at one time, for all pieces of A.
 struct Standing {
-    Rotation axes;     ///< of A
-    Rotation rotation; ///< of the mover, against A
+    Rotation axes;     ///< orientation of A
+    Rotation rotation; ///< orientation of the mover in A's frame
     Long3 place_24;
     Convex shape;
 
@@ -187,7 +193,7 @@ struct Standing {
             on_plane ? plane_relative_pose(pose_a, pose_b) : relative_pose(pose_a, pose_b);
         return {to_rotation(pose_a.rotation), rel.rotation, raw(rel.position), m.shape(rel.rotation)};
     }
-    /// The same of what is in the mover.
+    /// As above, for a ball or point inside the mover.
     Standing of(const Mover& inside) const { return {axes, rotation, place_24, inside.shape(rotation)}; }
 };
 
@@ -203,8 +209,8 @@ Measured measure(const Ways& w, const Obstacle& o, const Mover& m, Unit fraction
     return measure(Standing::at(w, m, fraction, o.kind == Obstacle::Kind::plane), o, limit_30);
 }
 
-/// The first fraction before `until` at which the gap is `target`; 1 when there is none. `start`: the gap at 0 if it is known, to
-/// no smaller a limit than is asked for here.
+/// The first fraction before `until` at which the gap is `target`; 1 when there is none. `start`: the gap at
+/// fraction 0 if it is known, measured with a limit at least as large as the one here.
 Unit advance(const Ways& w, const Obstacle& o, const Mover& m, std::int64_t target_30, Unit until,
              const Measured* start = nullptr) {
     const std::int64_t close = target_30 + larger(target_30 / 8, 2048);
@@ -217,7 +223,7 @@ Unit advance(const Ways& w, const Obstacle& o, const Mover& m, std::int64_t targ
         const std::int64_t distance = at.gap.distance_30;
         if (at.gap.overlap || distance <= (i == 0 ? target_30 : close)) return fraction;
         const std::int64_t approach = distance > reachable ? 0 : w.approach_30(m, reach_a, at.direction_30);
-        // The quotient is below 2, so it has room.
+        // The quotient is below 2, so it fits.
         if (approach <= (distance - target_30) / 2) return unit_one;
         t += larger(1, divide_shifted(distance - target_30, approach, 30) - 1);
         if (t >= until.raw) return unit_one;
@@ -233,12 +239,12 @@ Bounds bounds_of(const shapes::Extent& e) {
             {high(e.upper.x), high(e.upper.y), high(e.upper.z)}};
 }
 
-/// Points from `lower` to `upper` [m], in A's shape's frame.
+/// The points from `lower` to `upper` [m], in the frame of A's shape.
 struct Box {
     Long3 lower_30, upper_30;
 };
 
-/// The extent of a mover, its rounding included.
+/// The bounds of a mover, including its rounding.
 Box box_of(const Standing& s) {
     Box box{};
     const std::int64_t radius = up(std::int64_t{s.shape.radius.raw}, 6);
@@ -252,13 +258,13 @@ Box box_of(const Standing& s) {
     return box;
 }
 
-/// How a mover starts, found once for all pieces of A.
+/// State of a mover at the start, computed once for all pieces of A.
 struct Start {
     Standing standing;
-    CoordinateVec3 core; ///< its core's centre
+    CoordinateVec3 core; ///< centre of its core
     Box box;
 
-    /// Only triangles and compounds read more than how it stands.
+    /// Only triangles and compounds read `core` and `box`.
     Start(const Ways& w, const Mover& m, const shapes::Solid& a)
         : standing(Standing::at(w, m, Unit{}, a.geometry.kind == ShapeKind::plane)), core{}, box{} {
         if (!has_triangles(a) && a.geometry.kind != ShapeKind::compound) return;
@@ -276,7 +282,7 @@ struct Start {
     }
 };
 
-/// The space that a part of B can come near on its way, in A's shape's frame.
+/// The space that a part of B can reach during its motion, in the frame of A's shape.
 struct Corridor {
     shapes::Extent extent;
     SweptBox box;
@@ -285,7 +291,7 @@ struct Corridor {
         : extent(swept_extent(from_24, to_24, around_24)),
           box(bounds_of(swept_extent(from_24, from_24, around_24)),
               bounds_of(swept_extent(to_24, to_24, around_24))) {}
-    /// From one box to another, each larger by `around_24` on all sides.
+    /// From one box to another, each grown by `around_24` on all sides.
     Corridor(const Box& from, const Box& to, std::int64_t around_24) : Corridor(Long3{}, Long3{}, 0) {
         const auto extent_of = [&](const Box& b) {
             return swept_extent(shifted(b.lower_30, 6), shifted(b.upper_30, 6), around_24);
@@ -295,7 +301,7 @@ struct Corridor {
         box = SweptBox(bounds_of(first), bounds_of(last));
     }
 
-    /// No for triangles beside it: a long way through a mesh has many in its extent.
+    /// False for triangles beside the path: the extent of a long path through a mesh meets many.
     bool may_meet(const Obstacle& o) const {
         if (o.kind != Obstacle::Kind::triangle) return true;
         const CoordinateVec3(&c)[3] = o.triangle->corner;
@@ -303,16 +309,19 @@ struct Corridor {
     }
 };
 
-/// How far a point that turns with B leaves the straight way from where it starts to where it ends, at most [m]. A way whose second derivative is at
-/// most f leaves it by f / 8. Of a point at distance r from the axis, with a turn of up to 1 rad, that derivative is at most 1.4 r rate^2, which
-/// includes the uneven speed of nlerp; beyond that turn the whole arc is the bound.
+/// A bound of how far a point that turns with B departs from the straight segment between its start and its end
+/// [m]. A path whose second derivative is at most f departs from the segment by at most f / 8. For a point at
+/// distance r from the axis and a turn of up to 1 rad, the derivative is at most 1.4 r rate^2, including the
+/// uneven speed of nlerp. For larger turns the bound is the whole arc.
 std::int64_t bend_30(const Ways& w, const Mover& m) {
     const std::int64_t rate = w.spin_b.rate_30;
     return times_30(m.reach_30, rate <= one_30 ? times_30(rate, rate) / 4 + 1 : rate) + 2;
 }
 
-/// Empty for a shape that is one piece: what meets the shape meets the piece. Where A does not turn, the boxes of the part at both ends bound its way.
-/// The ball about the body's centre that holds the part, which is the bound where A turns, would meet most triangles of a mesh under a large compound.
+/// Empty for an A of one piece: a part that meets the bounds of A meets the piece. When A does not turn, the
+/// boxes of the part at both ends bound its motion. When A turns, the bound is a ball around B's centre of mass
+/// that contains the part. It is not used in both cases because it would meet most triangles of a mesh below a
+/// large compound.
 Corridor corridor_of(const Ways& w, const Mover& m, const shapes::Solid& a, const Start& start,
                      Length margin) {
     if (!has_triangles(a) && a.geometry.kind != ShapeKind::compound) return {Long3{}, Long3{}, 0};
@@ -327,18 +336,18 @@ Corridor corridor_of(const Ways& w, const Mover& m, const shapes::Solid& a, cons
     return {from, to, around + turned + 64};
 }
 
-/// A plane that has an obstacle behind it, in the frame of the obstacle's solid.
+/// A plane with the obstacle on its back side, in the frame of the obstacle's solid.
 struct Side {
     Long3 normal_30;
-    std::int64_t above_30; ///< how far a point is above it [m]
+    std::int64_t above_30; ///< height of the given point above it [m]
 };
-/// That of the triangle, on the side of a point.
+/// The plane of the triangle, turned so that the point is above it.
 Side side_of_triangle(const shapes::Face& t, Long3 point_24) {
     const Long3 plane = raw(t.normal);
     const std::int64_t above = dot_dropped(up(point_24 - raw(t.corner[0]), 6), plane, 30);
     return {above < 0 ? -plane : plane, absolute(above)};
 }
-/// That of the face of a box that a point is furthest above.
+/// The face of the box above which the point is highest.
 Side side_of_box(const Geometry& box, Long3 point_24) {
     const std::int64_t scale = box.scale.x.raw >> Length::fraction_bits;
     Side side{Long3{}, -anything_30};
@@ -352,7 +361,8 @@ Side side_of_box(const Geometry& box, Long3 point_24) {
     return side;
 }
 
-/// How a mover starts above a side of an obstacle: what keeps above it is told by that, without closest points.
+/// The height of a mover above a side of an obstacle at the start. A mover that stays above it during its
+/// motion needs no closest points.
 class Above {
   public:
     Above(const Ways& ways, const Standing& standing, const Obstacle& obstacle, const Mover& mover)
@@ -365,9 +375,9 @@ class Above {
         normal_30 = side.normal_30;
         core_30 = side.above_30 + dot_dropped(support(s.shape, -normal_30).at_30, normal_30, 30);
     }
-    /// Whether the core with a rounding of so much starts apart from the obstacle.
+    /// True if the core with this radius of rounding starts apart from the obstacle.
     bool is_apart(std::int64_t radius_24) const { return room_30(radius_24) > 0; }
-    /// Whether it stays so on its way.
+    /// True if it stays apart during the motion.
     bool keeps(std::int64_t radius_24) {
         if (!is_apart(radius_24)) return false;
         if (!is_known) approach_30 = w.approach_30(m, w.reach_of(o), in_world(s, normal_30));
@@ -384,12 +394,13 @@ class Above {
     const Obstacle& o;
     const Mover& m;
     Long3 normal_30{};
-    std::int64_t core_30 = -anything_30; ///< its core's gap to the side; less than any: there is no such side
+    /// The core's gap to the side; very negative when there is no such side.
+    std::int64_t core_30 = -anything_30;
     bool is_known = false;
-    std::int64_t approach_30 = 0; ///< most of the gap that it loses on its way
+    std::int64_t approach_30 = 0; ///< a bound of the decrease of the gap during the motion
 };
 
-/// Whether a mover stays beside a triangle's extent.
+/// True if a mover stays beside a triangle's extent during its motion.
 bool stays_beside(const Start& start, const Obstacle& o, std::int64_t approach_max) {
     if (o.kind != Obstacle::Kind::triangle) return false;
     const CoordinateVec3(&c)[3] = o.triangle->corner;
@@ -408,11 +419,11 @@ Coordinate core_radius(const Mover& whole) {
     return Coordinate::from_raw(shapes::inner_radius(*whole.solid).raw / 2);
 }
 
-/// A core that is nearer than this at the start does not move towards the piece at all. Without this end each tick would halve the rest of the
-/// gap.
+/// A core nearer than this at the start may not approach the piece. Without this limit each tick would halve
+/// the remaining gap.
 constexpr std::int64_t core_gap_30 = stop_gap_30 / 64;
 
-/// How much nearer a ball comes along a direction from A; where A moves, at most.
+/// How much nearer a ball comes along a direction from A; when A moves, a bound of that.
 std::int64_t comes_nearer_30(const Ways& w, const Obstacle& o, const Mover& ball, Long3 direction_30) {
     if (w.a.from != w.a.to) return w.approach_30(ball, w.reach_of(o), direction_30);
     const auto center = [&](Unit fraction) {
@@ -422,7 +433,8 @@ std::int64_t comes_nearer_30(const Ways& w, const Obstacle& o, const Mover& ball
     return dot_dropped(shifted(raw(center(Unit{}) - center(unit_one)), 2), direction_30, 30);
 }
 
-/// The core against a piece: a ball of that radius about its centre, or where it overlaps the piece at the start, its centre.
+/// Stops the core at a piece: a ball of the given radius around the core's centre, or, where the ball overlaps
+/// the piece at the start, the centre alone.
 Unit core_stop(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole,
                Coordinate radius, Unit until) {
     for (const Mover& ball : {ball_of(whole, radius), ball_of(whole, Coordinate{})}) {
@@ -437,7 +449,7 @@ Unit core_stop(const Ways& w, const Standing& standing, const Obstacle& o, const
     return unit_one;
 }
 
-/// Away from what is touched by seam_height, each direction counted once.
+/// A displacement that lifts a shape by seam_height off the surfaces it touches. Each direction counts once.
 Vec3 lift_of(std::span<const UnitVec3> touching) {
     Vec3 lift{};
     const Real height = to<Real>(seam_height);
@@ -448,8 +460,9 @@ Vec3 lift_of(std::span<const UnitVec3> touching) {
     return lift;
 }
 
-/// A rounded shape that never enters a piece by half of its rounding is not stopped: contacts push it out of that. What moves by half
-/// its inner radius is not swept at all, so it may be as deep.
+/// True if a rounded shape never enters a piece by half of its rounding. It is then not stopped, because
+/// contacts push it out. A shape that moves by less than half its inner radius is not swept, so it may become
+/// as deep.
 constexpr int dip_bits = 1;
 bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole) {
     Mover thin = whole;
@@ -457,14 +470,15 @@ bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole) {
     if (whole.solid->geometry.radius == Length{}) return false;
     return advance(w, o, thin, stop_gap_30, unit_one) == unit_one;
 }
-/// True if the skeleton of a rounded shape stays above one side of the piece by half of the rounding at least. The core's centre is then as far
-/// above it as half of the inner radius.
+/// True if a rounded shape, its rounding reduced to half, stays above one side of the piece. The core's centre
+/// is then above that side by at least half of the inner radius.
 bool is_told_to_pass(const Standing& begin, const Mover& whole, Above& above) {
     return whole.solid->geometry.radius != Length{} && above.keeps(begin.shape.radius.raw >> dip_bits);
 }
 
-/// True if the core's centre ends no deeper than the inner radius in a plane or a box, on the side where it begins: contacts push it out to that
-/// side then. A limb that is stopped is torn from its joints, and a foot sinks by centimetres where a body comes down on it.
+/// True if the core's centre starts outside of a plane or a box and ends on the same side, no deeper than the
+/// inner radius: contacts then push it out to that side. A stopped limb would be torn from its joints, and a
+/// foot may sink by centimetres when a body comes down on it.
 bool is_pushed_out(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole) {
     const bool is_plane = o.kind == Obstacle::Kind::plane;
     if (!is_plane &&
@@ -557,7 +571,7 @@ void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const sha
             if (begin.is_behind(o)) return;
             Measured start = measure(begin.standing, o, touching_gap_30);
             if (!start.gap.overlap && start.gap.distance_30 > touching_gap_30) return;
-            // The shape itself may be a little in; its core is not.
+            // The shape may overlap a little; then the centre of its core gives the direction.
             if (start.gap.overlap) start = measure(w, o, ball_of(m, Coordinate{}), Unit{}, anything_30);
             if (!start.gap.overlap) directions.push_back(unit_of_30(start.direction_30));
         });

@@ -1,4 +1,4 @@
-// The sockets of this system under one name: BSD sockets, or Winsock. The only place that knows which.
+// System sockets with one interface for BSD sockets and Winsock. No other file distinguishes the two.
 #pragma once
 
 #ifdef _WIN32
@@ -30,7 +30,7 @@ using Handle = SOCKET;
 using Length = int;
 constexpr Handle no_handle = INVALID_SOCKET;
 
-/// Before the first socket of the program; false: there are none.
+/// Initialises Winsock before the first socket of the program; false: no sockets are available.
 inline bool is_ready() {
     static const bool ready = [] {
         WSADATA data;

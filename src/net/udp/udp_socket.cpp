@@ -1,4 +1,4 @@
-// A UDP socket whose calls never block.
+// UdpSocket: a non-blocking UDP socket.
 #include "lockstone/net.h"
 
 #include "base/text.h"
@@ -14,8 +14,8 @@ namespace sockets = net::sockets;
 
 namespace {
 
-constexpr int buffer_bytes =
-    1 << 20; // of the system, in each direction: some frames' worth of the busiest relay
+// Buffer of the system in each direction: enough for some frames of a relay under full load.
+constexpr int buffer_bytes = 1 << 20;
 
 Error system_error(std::string_view what, const NetAddress& local) {
     return {base::join("cannot ", what, " ", to_string(local), ": ", sockets::last_sentence())};
@@ -65,7 +65,7 @@ void set_option(sockets::Handle socket, int level, int option, int value) {
     ::setsockopt(socket, level, option, reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// An IPv4 address on a socket for IPv6 too, where 0.0.0.0 stands for every address.
+/// Maps an IPv4 address for a socket with IPv6; 0.0.0.0 becomes the IPv6 address for all interfaces.
 NetAddress as_ipv6(NetAddress address) {
     if (std::ranges::all_of(std::span(address.ip).last<4>(), [](std::uint8_t b) { return b == 0; }))
         address.ip = {};
@@ -121,14 +121,14 @@ void UdpSocket::send(const NetAddress& to, std::span<const std::byte> bytes) {
     const sockaddr_in four = ipv4_of(to);
     const auto data = reinterpret_cast<const char*>(bytes.data());
     const auto size = static_cast<sockets::Length>(bytes.size());
-    // What the system does not take now is lost, as on any network.
+    // A datagram that the system does not accept now is lost, as on any network.
     [[maybe_unused]] const auto sent =
         is_ipv6 ? ::sendto(handle_of(handle), data, size, 0, generic(six), sizeof six)
                 : ::sendto(handle_of(handle), data, size, 0, generic(four), sizeof four);
 }
 
 std::optional<UdpSocket::Arrived> UdpSocket::receive() {
-    // An error of an earlier send (no such port) is told here, and is no end.
+    // recvfrom() also reports errors of earlier sends (such as a closed port); they do not end the loop.
     for (int tries = 0; tries < 16; ++tries) {
         sockaddr_storage from{};
         socklen_t size = sizeof from;

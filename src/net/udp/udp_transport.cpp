@@ -1,4 +1,4 @@
-// A session's transport over a UDP socket.
+// UdpTransport and UdpWatchDoor: an endpoint or a door together with a UDP socket.
 #include "net/packet.h"
 
 namespace lockstone {
@@ -38,7 +38,7 @@ void UdpTransport::send(PeerId to, std::span<const std::byte> bytes) {
 
 std::optional<Datagram> UdpTransport::receive() { return peer.next_packet(); }
 
-// ---- a door --------------------------------------------------------------------------------------------------------
+// ---- a door for spectators -----------------------------------------------------------------------------------------
 
 UdpWatchDoor::UdpWatchDoor(WatchDoor made, UdpSocket opened, std::uint64_t now_ms)
     : watchers(std::make_unique<WatchDoor>(std::move(made))), wire(std::move(opened)), now(now_ms) {}
@@ -55,7 +55,8 @@ Result<UdpWatchDoor> UdpWatchDoor::open(const WatchDoorDef& def, const NetAddres
 }
 
 const std::string& UdpWatchDoor::open_lobby(const NetKey& secret, std::uint64_t now_ms) {
-    // It seats no players and opens no rooms: all that it does is to let in. A classroom behind one address comes in within seconds.
+    // This lobby only gives places at the door: it has no seats for players and no rooms. The higher rate
+    // is for many spectators who share one address and connect within seconds.
     lobby = std::make_unique<Relay>(
         secret, RelayDef{.matches_max = 0, .hellos_per_source = 64, .rooms_max = 0}, now_ms);
     return lobby->show(*watchers);

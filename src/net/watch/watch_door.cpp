@@ -1,7 +1,8 @@
-// A door for those who watch: one address, and for each watcher an endpoint of its own.
+// WatchDoor: one address for many spectators, with an endpoint for each.
 //
-// A datagram is the watcher's whose proven address it comes from; a handshake is that of the token whose match it names. What is
-// neither is dropped unread: nobody without a token draws an answer.
+// A hello or request belongs to the place whose token has its match id; another datagram belongs to the
+// place with the proven address of its sender. All others are dropped without decryption, so a sender
+// without a token gets no answer.
 #include "net/endpoint.h"
 
 #include "base/text.h"
@@ -19,14 +20,14 @@ constexpr PeerId door_slot = 0, watcher_slot = 1;
 constexpr std::uint64_t sweep_every_ms = 1000;
 
 struct Place {
-    std::optional<Endpoint> endpoint = {}; ///< none: it is free
-    std::uint64_t match_id = 0;            ///< the token's
-    NetKey own = {}, theirs = {};          ///< public keys
-    std::uint32_t match = 0;               ///< low half of the token's match id, of no other place
+    std::optional<Endpoint> endpoint = {}; ///< none: the place is free
+    std::uint64_t match_id = 0;            ///< of the token
+    NetKey own = {}, theirs = {};          ///< public keys of the door and the spectator
+    std::uint32_t match = 0;               ///< low half of the token's match id; unique
     std::uint64_t heard_ms = 0, delivered = 0;
-    NetAddress address = {}; ///< that has proven to be the token's owner's last; no port: none
-    bool sends = false;      ///< it is among those to be asked for datagrams
-    bool gives = false;      ///< and for packets
+    NetAddress address = {}; ///< last proven address of the spectator; port 0: none
+    bool sends = false;      ///< the place is in `sending`
+    bool gives = false;      ///< the place is in `giving`
 };
 
 } // namespace
@@ -101,7 +102,7 @@ Result<ConnectToken> WatchDoor::let_in(const NetKey& public_key, std::uint64_t n
     return all.token_of(*free);
 }
 
-/// The watcher's, without the secret.
+/// The spectator's token, without the secret.
 ConnectToken WatchDoor::Impl::token_of(const Place& place) const {
     ConnectToken token;
     token.match_id = place.match_id, token.expires_ms = def.expires_ms, token.players = 2;
@@ -111,7 +112,7 @@ ConnectToken WatchDoor::Impl::token_of(const Place& place) const {
     return token;
 }
 
-/// places.size() where it is nobody's.
+/// The place of a datagram; places.size(): none.
 PeerId WatchDoor::Impl::place_of(const NetAddress& from, Bytes datagram) const {
     const auto nobody = static_cast<PeerId>(places.size());
     if (length_fault(datagram) || slot_of(datagram[0]) != watcher_slot) return nobody;
@@ -124,7 +125,7 @@ PeerId WatchDoor::Impl::place_of(const NetAddress& from, Bytes datagram) const {
     return found == by_address.end() ? nobody : found->second;
 }
 
-/// Who was there before has gone.
+/// Sets the proven address of a place. Another place with this address loses it.
 void WatchDoor::Impl::set_address(PeerId at, const NetAddress& proven) {
     Place& place = places[at];
     if (proven == place.address) return;
@@ -149,7 +150,7 @@ void WatchDoor::Impl::clear(Place& place) {
     if (place.address.port != 0) by_address.erase(place.address);
     const bool sends = place.sends, gives = place.gives;
     place = {};
-    place.sends = sends, place.gives = gives; // it is still in these lists
+    place.sends = sends, place.gives = gives; // the place is still in these lists
 }
 
 void WatchDoor::Impl::sweep() {
@@ -170,7 +171,7 @@ void WatchDoor::receive(const NetAddress& from, std::span<const std::byte> datag
     Endpoint& endpoint = *all.places[at].endpoint;
     const std::uint64_t refused = endpoint.stats().refused_in_all();
     endpoint.receive(from, datagram, all.now);
-    // A request that was taken has shown the token's key and, by its cookie, the address.
+    // An accepted request has proven the token's key and, by its cookie, the address.
     if (kind_of(datagram[0]) == Kind::request && endpoint.stats().refused_in_all() == refused)
         all.set_address(at, from);
     all.ask(at);

@@ -1,5 +1,6 @@
-// One tick of the mover: first what the ground and other bodies do to a character, then its own motion. Both look at the world as it
-// will be when the tick ends. In the end the mover makes a velocity of the change of position.
+// One tick of the mover: first the effects of the ground and of other bodies on a character, then its own motion.
+// Both use the predicted poses at the end of the tick. At the end the mover converts the change of position to a
+// velocity.
 //
 // source: collide and slide as in Fauerby, Improved Collision Detection and Response, 2003; the steps of walking as
 // users know them from the character controllers of today's engines.
@@ -28,7 +29,7 @@ void Mover::run() {
     scratch.pushes.clear();
     const Real height = s.crouched != 0 ? row.def.crouch_height : row.def.height;
     space.set_height(height);
-    // The conveyor as it is now: a command may have changed it.
+    // Reads the present conveyor speed, since a command may have changed it.
     const std::uint32_t ground = w.row_of(s.ground_shape);
     Real belt{};
     if (ground != Model::dead) belt = length(w.traits_of(w.state.rows(w.m.shape)[ground]).surface_velocity);
@@ -90,7 +91,7 @@ bool Mover::is_dynamic(BodyId body) const {
     return body && w.state.rows(w.m.body_info)[w.row_of(body)].kind == BodyKind::dynamic;
 }
 
-/// Moves with the ground, out of the way of what moves, both against the rest of the world.
+/// Moves with the ground and out of the way of moving bodies. Both motions stop at the rest of the world.
 void Mover::ride() {
     const BodyId ground = ground_body();
     const bool moves = std::ranges::any_of(space.neighbours(),
@@ -108,12 +109,12 @@ void Mover::ride() {
     carried += per_tick(belt_ridden);
     Vec3 away = carried;
     shove(away);
-    slide(with_body, ground); // the character and its ground move as one
+    slide(with_body, ground); // the character and its ground move together
     slide(carried - with_body, {});
     slide(away - carried, {});
 }
 
-/// Moves the character as far as other shapes let it; those of the body `ignored` do not count.
+/// Moves the character until other shapes stop it. Shapes of the body `ignored` do not stop it.
 void Mover::slide(Vec3 way, BodyId ignored) {
     std::array<UnitVec3, 4> planes;
     for (std::size_t i = 0; i < planes.size() && way != Vec3{}; ++i) {
@@ -125,19 +126,19 @@ void Mover::slide(Vec3 way, BodyId ignored) {
     }
 }
 
-/// Finds the way that the character has to move so that nothing is nearer than the skin; false when nothing is. Bodies that give way
-/// least are looked at last, so they decide.
+/// Computes the correction that moves the character at least a skin away from all shapes. Returns false if no
+/// correction is needed. Static bodies, which give way least, are processed last, so that they take precedence.
 bool Mover::part_from_neighbours(Vec3& correction) {
     bool any = false;
     for (const BodyKind kind : {BodyKind::dynamic, BodyKind::kinematic, BodyKind::static_})
         space.for_each_contact(feet, skin, [&](const SpaceContact& c) {
             if (space.neighbour(c.neighbour).kind != kind) return;
             const Unit upward = dot<Unit>(c.normal, up);
-            if (kind == BodyKind::dynamic && upward < -half(unit_one)) return; // lies on its head
+            if (kind == BodyKind::dynamic && upward < -half(unit_one)) return; // body on the head
             const Real missing = skin - c.gap - dot<Real>(c.normal, correction);
             if (missing <= skin_slack) return;
             any = true;
-            // Straight up from what it can stand on: along the normal it would creep downhill.
+            // Straight up from walkable ground: along the normal the character would creep downhill.
             correction += is_walkable(c.normal) ? scale<Real>(up, missing / to<Real>(upward))
                                                 : scale<Real>(c.normal, missing);
         });
@@ -159,7 +160,7 @@ void Mover::unstick() {
     });
 }
 
-/// Crouches at once; stands up only where nothing would then be nearer than the skin.
+/// Crouches at once. Stands up only if no shape is then nearer than the skin.
 void Mover::change_posture() {
     const std::uint32_t wanted = row.input.crouch;
     if (wanted == row.state.crouched) return;
@@ -174,7 +175,7 @@ void Mover::change_posture() {
         if (!has_room) return space.set_height(row.def.crouch_height);
     }
     row.state.crouched = wanted;
-    wake(w, row.body); // wakes what lies on its head, too
+    wake(w, row.body); // also wakes a body on its head
     set_capsule(w, placed, row, height);
 }
 
@@ -188,7 +189,7 @@ void Mover::start_jump() {
         s.has_jumped == 0 && (s.ground == CharacterGround::walkable || s.air_ticks <= row.def.coyote_ticks);
     if (!can) return;
     if (s.ground == CharacterGround::walkable) leave_ground();
-    const Real lifted = max(along(s.velocity), Real{}); // by a platform that goes up
+    const Real lifted = max(along(s.velocity), Real{}); // by a platform that moves up
     s.velocity = level(s.velocity) + scale<Real>(up, row.def.jump_speed + lifted);
     s.has_jumped = 1;
     s.jump_pending = 0;
@@ -196,14 +197,14 @@ void Mover::start_jump() {
 }
 
 namespace {
-/// Only a ground that spins can move anything this fast.
+/// Clamps a velocity. Only spinning ground can cause such speeds.
 Vec3 bounded(Vec3 v) {
     constexpr Real most = Real(4096);
     return {clamp(v.x, -most, most), clamp(v.y, -most, most), clamp(v.z, -most, most)};
 }
 } // namespace
 
-/// The body's velocity for this tick, its turn with the ground, and what the character remembers.
+/// Sets the body's velocity for this tick and its turn with the ground, and writes the character's state.
 void Mover::finish() {
     CharacterState& s = row.state;
     if (s.ground == CharacterGround::walkable) {
@@ -231,7 +232,7 @@ void Mover::finish() {
     if (w.state.rows(w.m.body_velocity)[body] != velocity)
         w.state.edit_row(w.m.body_velocity, body) = velocity;
     if (!leans) return;
-    // Upright again, whatever commands and roundings did to it.
+    // Sets the body upright again after commands and rounding have tilted it.
     Transform& pose = w.state.edit_row(w.m.body_pose, body);
     pose.rotation = normalized(from_to(axis, up) * pose.rotation);
     pose.position = begin + rotate(pose.rotation, w.mass_of(body).center);
@@ -241,7 +242,8 @@ void move_characters(Model& w, PlacedShapes& placed, CharacterScratch& s, Tasks*
     s.order_of_body.clear(), s.landings.clear();
     const std::uint32_t count = w.state.count(w.m.characters);
     if (count == 0) return;
-    // The tables grow once, and not for each body that is pushed. Movers hold no view into the state: what they wake moves rows.
+    // Grows the tables once, and not for each pushed body. Movers keep no view of the state, because waking moves
+    // rows.
     w.state.make_room({w.m.forces}, w.state.count(w.m.bodies));
     w.state.make_room({w.m.body_traits.table, w.m.shape_traits.table}, 4 * count);
     const std::span<const CharacterRow> rows = w.state.rows(w.m.character);
@@ -255,7 +257,7 @@ void move_characters(Model& w, PlacedShapes& placed, CharacterScratch& s, Tasks*
     for (std::uint32_t i = 0; i < count; ++i) Mover(w, placed, s, i).run();
 }
 
-// ---- the capsule ---
+// ---- capsule -------------------------------------------------------------------------------------------------------
 
 ShapeDef capsule_of(const CharacterDef& def, Real height) {
     ShapeDef shape;

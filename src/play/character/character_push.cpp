@@ -1,5 +1,5 @@
-// Forces between characters and dynamic bodies. Contacts beside and below a character are left out of the solver; what
-// they would do is done here, with bounds.
+// Forces between characters and dynamic bodies. The solver skips contacts beside and below a character; this file
+// replaces them by bounded forces.
 #include "play/character/character_mover.h"
 
 #include "lockstone/math/math.h"
@@ -11,7 +11,7 @@ namespace lockstone::sim {
 
 namespace {
 
-/// The speed along a direction at a point that an impulse as large as the body's mass gives there: 1, and more where the body turns.
+/// Speed along a direction at a point, per impulse as large as the body's mass: 1, or more if the body turns.
 Real mobility(const Model& w, BodyId id, Vec3 point, UnitVec3 direction) {
     const std::uint32_t body = w.row_of(id);
     const Transform& pose = w.state.rows(w.m.body_pose)[body];
@@ -38,7 +38,7 @@ bool is_movers_contact(const Model& w, const CharacterScratch& scratch, BodyId b
     return dot<Unit>(a != 0 ? normal : -normal, up) <= half(unit_one);
 }
 
-/// Stops a dynamic body that comes towards the character, as a body of the character's mass would that also pushes.
+/// Stops a dynamic body that moves towards the character, like a body of the character's mass that also pushes.
 void Mover::take_impact(const SpaceContact& c) {
     const BodyId body = space.neighbour(c.neighbour).body;
     const std::uint32_t at = w.row_of(body);
@@ -47,7 +47,7 @@ void Mover::take_impact(const SpaceContact& c) {
                          dot<Real>(c.normal, carried) * Real(rate);
     if (closing <= Real{} || mass == Real{}) return;
     const Real stopped = mass / mobility(w, body, c.point, c.normal) * closing;
-    // The reduced mass, as a share of the body's mass.
+    // The reduced mass is this share of the body's mass.
     const Real own_share = row.def.mass / (row.def.mass + mass);
     const Real most = mass * own_share * closing + row.def.push_force / Real(rate);
     const Vec3 impulse = scale<Real>(c.normal, -min(stopped, most));
@@ -56,8 +56,8 @@ void Mover::take_impact(const SpaceContact& c) {
     row.state.velocity += level(impulse / -row.def.mass);
 }
 
-/// Adds to `away` the way that the character has to move to stay clear of bodies that move. It takes normals at the beginning of the
-/// tick: at its end a thin body may have come out on the other side of the character.
+/// Adds to `away` the motion that keeps the character clear of moving bodies. It uses the normals at the start of the
+/// tick, because at its end a thin body may be on the other side of the character.
 void Mover::shove(Vec3& away) {
     const BodyId ground = ground_body();
     constexpr Real margin_max = Real(2);
@@ -81,7 +81,7 @@ void Mover::shove(Vec3& away) {
                 return dot<Real>(c.normal, moved - away) - (c.gap - skin);
             };
             if (n.kind == BodyKind::dynamic) {
-                if (dot<Unit>(c.normal, up) < -half(unit_one)) continue; // lies on its head
+                if (dot<Unit>(c.normal, up) < -half(unit_one)) continue; // it lies on the character's head
                 if (missing() > Real{}) take_impact(c);
             }
             if (missing() > Real{}) away += scale<Real>(c.normal, missing());
@@ -98,7 +98,8 @@ void Mover::note_push(const SpaceHit& hit) {
     pushes.push_back({n.body, hit.point, hit.normal});
 }
 
-/// A force for this tick: the solver spreads it over the substeps, so that friction can hold a body for which the force is too weak.
+/// Adds a force for this tick. The solver spreads it over the substeps, so that friction can hold a body if the force
+/// is too weak.
 void Mover::push_at(BodyId body, Vec3 point, Vec3 force) {
     const std::uint32_t at = w.row_of(body);
     BodyForce& sum = force_on(w, at);
@@ -106,8 +107,9 @@ void Mover::push_at(BodyId body, Vec3 point, Vec3 force) {
     sum.torque += cross(point - w.state.rows(w.m.body_pose)[at].position, force);
 }
 
-/// Brings the bodies that the character walks into to the wanted speed, on the level, with at most push_force each. It pushes at the height of
-/// the body's centre of mass, as far as the capsule reaches: on a face parallel to the capsule a contact point may be at any height.
+/// Accelerates the bodies that the character walks into to the wanted horizontal speed, with at most push_force each.
+/// The force acts at the height of the body's centre of mass, within the range of the capsule, because on a face
+/// parallel to the capsule a contact point may be at any height.
 void Mover::apply_pushes() {
     const Vec3 wanted = level(row.input.velocity) + row.state.ground_velocity;
     for (const CharacterPush& p : scratch.pushes) {
@@ -126,7 +128,7 @@ void Mover::apply_pushes() {
     }
 }
 
-/// A body that sleeps had the character's weight on it already before it fell asleep.
+/// Applies the character's weight to its ground. A sleeping body already had it when it fell asleep.
 void Mover::weigh() {
     const BodyId ground = ground_body();
     if (!is_awake(w, w.row_of(ground))) return;

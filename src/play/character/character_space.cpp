@@ -14,7 +14,7 @@ namespace lockstone::sim {
 
 namespace {
 
-/// A capsule is cast this much further than it goes, so that it also stops before things that it would only come near to.
+/// Extra length of a capsule cast, so that it also stops at shapes that it would only come near to.
 constexpr Real look_ahead = skin * 8;
 
 Real per_tick(Speed v, std::uint32_t rate) {
@@ -24,7 +24,7 @@ Vec3 per_tick(SpeedVec3 v, std::uint32_t rate) {
     return {per_tick(v.x, rate), per_tick(v.y, rate), per_tick(v.z, rate)};
 }
 
-/// Where a plane's frame is for something at a point: straight below it.
+/// The frame of a plane, moved to the foot of the perpendicular from `point`. Other frames stay the same.
 Transform frame_near(const Neighbour& n, const Transform& frame, Vec3 point) {
     if (!n.is_plane) return frame;
     const UnitVec3 normal = to_rotation(frame.rotation).y;
@@ -56,7 +56,8 @@ void CharacterSpace::place(Neighbour& n, const ShapeRow& shape) const {
     n.moves = false;
     if (n.kind == BodyKind::static_) return;
     const std::uint32_t character = scratch.order_of_body[n.body.index - 1];
-    // Characters that are moved later still stand where they were; those that were moved before have their velocity of this tick.
+    // Characters later in the order are still at their old pose; earlier ones already have their velocity of this
+    // tick.
     const std::uint32_t own_order = scratch.order_of_body[row.body.index - 1];
     if (character > own_order) return;
     const std::uint32_t body_row = w.row_of(n.body);
@@ -122,7 +123,7 @@ bool CharacterSpace::collide_with(Vec3 center, const Neighbour& n, const Transfo
 }
 
 bool CharacterSpace::hit_at_start(Vec3 center, UnitVec3 direction, std::uint32_t index, SpaceHit& hit) const {
-    // An overlap stops only a motion that goes further in; another step moves the character out of overlaps.
+    // An overlap stops only motion that goes deeper. unstick() moves the character out of overlaps.
     bool found = false;
     Real deepest{};
     for_each_contact(center - lift, index, Real{}, true, [&](const SpaceContact& c) {
@@ -228,8 +229,8 @@ bool CharacterSpace::has_conveyor(const Neighbour& n) const {
 }
 
 Vec3 clipped(Vec3 wanted, std::span<const UnitVec3> planes) {
-    // The nearest free displacement is `wanted`, or its projection on a plane or on the line of two planes, or none;
-    // of those that no plane forbids it is the longest, as each is a projection of `wanted`.
+    // The nearest free displacement is `wanted`, its projection on a plane or on the line of two planes, or zero. All
+    // are projections of `wanted`, so the longest one that no plane forbids is the nearest.
     constexpr Real tolerance = Real::from_raw(1 << 11); // 0.5 um
     const auto is_free = [&](Vec3 d) {
         for (const UnitVec3& n : planes)
@@ -254,7 +255,7 @@ Vec3 clipped(Vec3 wanted, std::span<const UnitVec3> planes) {
 
 UnitVec3 flat(UnitVec3 n, UnitVec3 up) {
     const Vec3 along = to<Real>(n) - scale<Real>(up, dot<Real>(n, up));
-    // The part of the normal along `up` that is left is rounding.
+    // A shorter rest is rounding.
     return length(along) < 0.0001_r ? UnitVec3{} : normalized(along);
 }
 

@@ -1,5 +1,5 @@
-// What a character's mover sees: the shapes around it, each where it will be at the end of the tick, and casts,
-// contacts and rays among them. The cost depends on how many shapes are near, not on the size of the world.
+// The surroundings of one character: nearby shapes at their predicted poses at the end of the tick, with casts,
+// contacts and rays against them. The cost depends on the number of nearby shapes, not on the size of the world.
 #pragma once
 
 #include "play/character/character.h"
@@ -8,21 +8,22 @@
 
 namespace lockstone::sim {
 
-/// A character keeps this far from what it does not overlap [m]; contact events see it as touching.
+/// Distance that a character keeps from shapes [m]. Contact events count it as touching.
 inline constexpr Real skin = 0.004_r;
-/// A gap that differs from the skin by less than this is left as it is, so a character that stands does not move at all [m].
+/// Tolerance of the skin [m]. Smaller deviations are not corrected, so that a standing character does not move at
+/// all.
 inline constexpr Real skin_slack = 0.00005_r;
 
-/// What stops a capsule or a ray.
+/// First hit of a cast capsule or a ray.
 struct SpaceHit {
     std::uint32_t neighbour; ///< index
-    Real allowed;            ///< a capsule may go this far [m]; a ray's distance
+    Real allowed;            ///< allowed motion of the capsule [m]; distance of a ray
     Vec3 point;              ///< on the neighbour's surface, world [m]
     UnitVec3 normal;         ///< of the surface, world
     std::uint32_t piece;     ///< triangle or part of the neighbour
 };
 
-/// Where the capsule is near or in a neighbour.
+/// Contact between the capsule and a neighbour.
 struct SpaceContact {
     std::uint32_t neighbour;
     Real gap;            ///< [m], negative: overlap
@@ -31,30 +32,32 @@ struct SpaceContact {
     std::uint32_t piece; ///< triangle or part of the neighbour
 };
 
-/// One character's surroundings. `feet` are where the capsule is asked about.
+/// The surroundings of one character. `feet` is the position of the feet for which a function tests the capsule.
 class CharacterSpace {
   public:
     CharacterSpace(const Model& model, PlacedShapes& placed, CharacterScratch& scratch,
                    const CharacterRow& character);
 
-    /// The shapes within `range` of the feet's capsule that stop this character, in slot order.
+    /// Lists the shapes within `range` of the capsule that stop this character, in slot order.
     void collect(Vec3 feet, Real range);
-    /// The capsule from now on.
+    /// Sets the height of the capsule for all later calls.
     void set_height(Real height);
-    /// Brings neighbours up to date whose body's velocity was changed.
+    /// Updates the neighbours of a body whose velocity has changed.
     void update_body(BodyId body);
 
-    /// The first thing in the way of the capsule, or nothing. Shapes of the body `ignored` do not count.
+    /// Finds the first obstacle on the way of the capsule. Returns false if there is none. Skips shapes of the body
+    /// `ignored`.
     bool cast(Vec3 feet, Vec3 way, SpaceHit& hit, BodyId ignored = {}) const;
-    /// Moves the feet as far as they may go; true when something is in the way. `part` is how much of the way was gone.
+    /// Moves the feet up to the first obstacle. Returns true if there is one. `part`: fraction of the way that was
+    /// moved.
     bool advance(Vec3& feet, Vec3 way, SpaceHit& hit, Real& part, BodyId ignored = {}) const;
     bool ray(Vec3 from, Vec3 way, SpaceHit& hit) const;
-    /// How fast the conveyor that was hit goes along its surface, besides its body's motion, world [m/s].
+    /// Velocity of the conveyor at the hit, along its surface and relative to its body, world [m/s].
     Vec3 conveyor(const SpaceHit& hit) const;
     /// True if any surface of a neighbour is a conveyor.
     bool has_conveyor(const Neighbour& n) const;
-    /// visit(contact) for the manifolds of one neighbour within `margin`, where it is at the end or the begin of the
-    /// tick. `visit` must not ask for contacts itself.
+    /// Calls visit(contact) for the manifolds of one neighbour within `margin`, with its pose at the end or at the
+    /// start of the tick. `visit` must not call for_each_contact() itself.
     template <class Visit>
     void for_each_contact(Vec3 feet, std::uint32_t neighbour, Real margin, bool at_end, Visit&& visit) const;
     template <class Visit> void for_each_contact(Vec3 feet, Real margin, Visit&& visit) const {
@@ -78,14 +81,14 @@ class CharacterSpace {
     bool cast_one(Vec3 center, Vec3 way, UnitVec3 direction, Real length, std::uint32_t index,
                   SpaceHit& hit) const;
     bool hit_at_start(Vec3 center, UnitVec3 direction, std::uint32_t index, SpaceHit& hit) const;
-    /// False when they are too far apart to touch.
+    /// Fills scratch.manifolds. Returns false if there is no contact within `margin`.
     bool collide_with(Vec3 center, const Neighbour& n, const Transform& frame, Real margin) const;
 
     PlacedShapes& placed;
     CharacterScratch& scratch;
     shapes::Solid capsule;
     Coordinate capsule_reach{};
-    Vec3 lift{}; ///< from the feet to the capsule's middle
+    Vec3 lift{}; ///< from the feet to the middle of the capsule
 };
 
 template <class Visit>
@@ -106,16 +109,16 @@ void CharacterSpace::for_each_contact(Vec3 feet, std::uint32_t index, Real margi
         const SpaceContact contact{index, to<Real>(m.points[deepest].separation),
                                    center + lockstone::mul<Real>(axes, m.points[deepest].position),
                                    lockstone::mul<Unit>(axes, m.normal), m.piece_a};
-        // A character below a one-way surface, or half through it, does not see it.
+        // A character below a one-way surface, or half through it, has no contact with it.
         if (n.one_way && (dot<Unit>(axes.y, contact.normal) < half(unit_one) || contact.gap < -skin))
             continue;
         visit(contact);
     }
 }
 
-/// The displacement nearest to `wanted` that goes into none of the planes, which are given by at most 8 normals.
+/// The displacement nearest to `wanted` that moves into none of the planes, given by at most 8 normals.
 Vec3 clipped(Vec3 wanted, std::span<const UnitVec3> planes);
-/// n without its part along `up`, of unit length; zero when nothing is left.
+/// The component of n perpendicular to `up`, normalized; zero if only rounding is left.
 UnitVec3 flat(UnitVec3 n, UnitVec3 up);
 
 } // namespace lockstone::sim

@@ -1,4 +1,4 @@
-// A character's own motion: along the ground and over steps; in the air up, aside and down.
+// A character's own motion: along the ground and over steps; in the air up, sideways and down.
 #include "play/character/character_mover.h"
 
 #include "lockstone/math/math.h"
@@ -8,14 +8,14 @@ namespace lockstone::sim {
 namespace {
 
 constexpr int slides_max = 5;
-constexpr Real step_forward_min = 0.02_r; ///< [m]: a step is tried at least this far ahead
-constexpr Real face_offset = 0.01_r;      ///< [m]: how far behind an edge its face is looked at
+constexpr Real step_forward_min = 0.02_r; ///< [m]: smallest forward distance of a step attempt
+constexpr Real face_offset = 0.01_r;      ///< [m]: distance behind an edge at which its face is tested
 
 } // namespace
 
 // ---- ground ----------------------------------------------------------------------------------------------------
 
-/// Whether the surface just behind an edge, seen from the character, can be stood on.
+/// True if the character can stand on the surface just behind an edge, as seen from the character.
 bool Mover::face_is_walkable(const SpaceHit& hit) const {
     const UnitVec3 outward = flat(hit.normal, up);
     if (outward == UnitVec3{}) return false;
@@ -25,9 +25,9 @@ bool Mover::face_is_walkable(const SpaceHit& hit) const {
            face.normal != UnitVec3{} && is_walkable(face.normal);
 }
 
-/// Whether a capsule that comes down on `hit` with its feet at `landed` can stay there: on a walkable surface, on the
-/// edge of one that is no higher than a step, or on something else that it touches there. Then `hit` is what it stands
-/// on.
+/// True if a capsule that comes down on `hit` with its feet at `landed` can stay there: on a walkable surface, on the
+/// edge of one that is not higher than a step, or on another walkable surface that it touches there, which then
+/// replaces `hit`.
 bool Mover::stands_on(SpaceHit& hit, Vec3 landed) const {
     if (is_walkable(hit.normal)) return true;
     const Real height = along(hit.point - landed);
@@ -92,7 +92,7 @@ void Mover::leave_ground() {
     s.ground_normal = {};
 }
 
-/// Moves down to the ground where it is at most step_down below; elsewhere the character falls from here.
+/// Moves down to ground at most step_down below. If there is none, the character begins to fall.
 void Mover::settle() {
     const Real depth = max(row.def.step_down, skin * 2);
     SpaceHit hit{};
@@ -108,7 +108,7 @@ void Mover::settle() {
 
 // ---- walking ---------------------------------------------------------------------------------------------------
 
-/// Up by a step, forward, and down again onto something to stand on. `gone` is how far forward it went.
+/// Moves up by a step, forward, and down onto ground. `gone`: the forward distance.
 bool Mover::try_step(Vec3 way, Real& gone) {
     SpaceHit hit{};
     Vec3 at = feet;
@@ -122,7 +122,7 @@ bool Mover::try_step(Vec3 way, Real& gone) {
     if (gone < half(step_forward_min)) return false;
     if (!space.cast(at, scale<Real>(up, -lifted), hit)) return false;
     const Vec3 landed = at - scale<Real>(up, hit.allowed);
-    // Without this a round foot would climb edges of any height in several steps.
+    // Otherwise a round foot would climb edges of any height in several steps.
     if (along(hit.point - feet) > row.def.step_height) return false;
     if (along(landed - feet) < skin_slack || !stands_on(hit, landed)) return false;
     feet = landed;
@@ -137,7 +137,7 @@ void Mover::walk() {
     std::array<UnitVec3, slides_max> planes;
     std::size_t plane_count = 0;
     UnitVec3 ground = is_walkable(s.ground_normal) ? s.ground_normal : up;
-    Vec3 rest = wanted; // level
+    Vec3 rest = wanted; // perpendicular to `up`
     Real left = Real(1);
     bool was_blocked = false;
     for (int i = 0; i < 2 * slides_max && length(rest) > skin_slack / Real(16); ++i) {
@@ -219,7 +219,7 @@ void Mover::glide(Vec3 way) {
         left -= left * part;
         note_push(hit);
         const UnitVec3 wall = flat(hit.normal, up);
-        // Ground that is too steep to stand on cannot be climbed by jumping into it either.
+        // Jumping against ground that is too steep to stand on does not climb it either.
         planes[count++] = is_walkable(hit.normal) || wall == UnitVec3{} ? hit.normal : wall;
         const std::span<const UnitVec3> met(planes.data(), count);
         rest = clipped(way * left, met);
@@ -253,7 +253,7 @@ void Mover::drop(Real height) {
         s.velocity = clipped(s.velocity, met);
         rest = clipped(way * left, met);
         if (length(rest) > skin_slack / Real(16)) continue;
-        // The character is wedged in between walls: it may jump as if it stood.
+        // The character is wedged between walls: it may jump as if it stood.
         is_kept_up = left > 0.01_r;
         return;
     }

@@ -1,4 +1,4 @@
-// Fields of acceleration, as the integrator takes them.
+// Lists the acceleration fields of a tick for the integrator.
 #include "play/fluids/fluids.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@ void list_fields(const Model& w, FieldsOfTick& out) {
     out.pulls.clear(), out.categories.clear();
     for (const FieldRow& row : w.state.rows(w.m.field))
         if (row.def.kind != FieldKind::fluid) out.pulls.push_back(row);
-    // Rows move when fields are destroyed; the order of their ids is that of their slots.
+    // Rows move when fields are destroyed. The order of ids does not change.
     std::sort(out.pulls.begin(), out.pulls.end(),
               [](const FieldRow& a, const FieldRow& b) { return a.id < b.id; });
     const auto looks = [](const FieldRow& row) { return row.def.mask != solve::every_category; };

@@ -20,8 +20,8 @@ using solve::StepConstants;
 namespace {
 
 constexpr int real_to_accumulator = accumulator_bits - Real::fraction_bits;
-constexpr Real kick_max = Real(2048); ///< [m/s] a part and substep: velocities stay below 2^16
-constexpr Unit least_share = Unit::from_raw(1 << 10); ///< of a part's volume: a smaller share counts as none
+constexpr Real kick_max = Real(2048); ///< [m/s] per part and substep: velocities stay below 2^16
+constexpr Unit least_share = Unit::from_raw(1 << 10); ///< share of a volume; smaller shares count as zero
 
 Vec3 real_of(const std::int64_t v[3]) {
     const auto one = [](std::int64_t x) {
@@ -38,7 +38,7 @@ Real per_substep(Real rate, const StepConstants& step) {
     return Real::from_raw(divide_shifted(rate.raw, step.substeps_per_second, 0));
 }
 
-/// dv along the axes that are free; du, which has its locks already, with 47 fraction bits both.
+/// Adds dv along the free axes and du, both clamped to kick_max. du must already be zero about locked axes.
 void kick(SolverBody& b, Vec3 dv, Vec3 du) {
     for (int i = 0; i < 3; ++i) {
         b.v[i] += (clamp(dv[i], -kick_max, kick_max).raw << real_to_accumulator) & b.keep[i];
@@ -46,7 +46,7 @@ void kick(SolverBody& b, Vec3 dv, Vec3 du) {
     }
 }
 
-/// s' of s' (1 + a + b s') = s.
+/// Solves s' (1 + a + b s') = s for s'.
 Real slowed(Real s, Real a, Real b) {
     const Real c = Real(1) + a;
     return s * 2 / (c + sqrt(c * c + b * s * 4));
@@ -71,7 +71,8 @@ void FluidSolver::gather(const Model& w) {
     });
 }
 
-/// Whether a part may be in the fluid within the tick; `center` of its volume in the world, no point farther than `reach`.
+/// True if a part may be in the fluid within the tick. `center`: centre of its volume in the world; `reach`: upper
+/// bound of the distance of its points from there.
 bool FluidSolver::reaches(const Model& w, const StepConstants& step, const Fluid& fluid, Vec3 center,
                           Real reach, std::uint32_t body_row, bool& is_cut) const {
     const Region& region = fluid.def.region;
@@ -111,7 +112,7 @@ void FluidSolver::add_part(const Model& w, const StepConstants& step, std::uint3
         const shapes::ShownArea shown =
             shapes::shown_area(solid, lockstone::mul_transposed<Unit>(axes, direction));
         part.area_center = shown.center;
-        const auto over_mass = [&](Real c) { // 1e6 * 4e4 m^2 is beyond a Real, over the mass it need not be
+        const auto over_mass = [&](Real c) { // 1e6 * 4e4 m^2 exceeds a Real, but may fit over the mass
             return shapes::unscaled<Real>(shapes::scaled(c) * shapes::scaled(shown.area) *
                                           shapes::scaled(scale) / shapes::scaled(mass));
         };
@@ -175,7 +176,7 @@ void FluidSolver::prepare(const Model& w, PlacedShapes& placed, const FieldsOfTi
 
 namespace {
 
-/// Where a body is within a substep.
+/// Present pose of a body within a substep.
 struct Now {
     Vec3 position;
     Quat rotation;
@@ -195,12 +196,12 @@ Now now_of(const Transform& pose, const SolverBody& b, const BodyStep& s) {
     return now;
 }
 
-/// K^-1 (r x d) about the axes that are free.
+/// K^-1 (r x d); zero about locked axes
 template <class Direction> Vec3 arm_of(const BodyStep& s, Vec3 lever, Direction d) {
     return solve::mul<Real>(s.gyration_inv, masked(cross<Real>(lever, d), s.angular_mask));
 }
 
-/// The drag of one stream at a point of a body; `linear` and `quadratic`: c A f / m.
+/// Applies the drag of one stream at a point of a body. `linear` and `quadratic`: c A f / m.
 void drag(SolverBody& b, const BodyStep& s, const StepConstants& step, Vec3 lever, Vec3 stream, Real linear,
           Real quadratic) {
     const Vec3 spin = solve::mul<Real>(s.gyration_inv, real_of(b.u));
@@ -217,26 +218,26 @@ void drag(SolverBody& b, const BodyStep& s, const StepConstants& step, Vec3 leve
     kick(b, -lockstone::scale<Real>(d, lost), -(x * lost));
 }
 
-/// u' (1 + rate h) = u.
+/// u' (1 + rate h) = u
 void slow_turning(SolverBody& b, const StepConstants& step, Real rate) {
     const Real substeps = Real(step.substeps_per_second);
     const Unit keep = to<Unit>(substeps / (substeps + rate));
     for (std::int64_t& u : b.u) u = narrow_rounded(Wide::product(u, keep.raw), Unit::fraction_bits);
 }
 
-/// How much of a part fluids of higher priority have taken, while the fluids that it is in are visited.
+/// Shares of one part that fluids of higher priority have taken. The fluids of the part are visited by priority.
 struct Shares {
-    Unit rest = unit_one, taken{}; ///< what is left of the part; what fluids of the present priority take
+    Unit rest = unit_one, taken{}; ///< share that is left; largest share taken at the present priority
     Vec3 moment{}, taken_moment{}; ///< shares times their centres
 
     void next_priority() {
         rest = rest - taken, taken = Unit{};
         moment += taken_moment, taken_moment = Vec3{};
     }
-    /// The share that a fluid gets; `under` would be in it if there were no other fluid.
+    /// Returns the share of a fluid. `under`: the share that it would have without the other fluids.
     shapes::Submerged take(shapes::Submerged under, Vec3 middle) {
         if (rest < least_share) return {};
-        if (under.fraction == unit_one && rest != unit_one) // the part is wholly in it: it gets the rest
+        if (under.fraction == unit_one && rest != unit_one) // wholly in the fluid, which gets the rest
             under.center = (middle - moment) / to<Real>(rest);
         under.fraction = min(under.fraction, rest);
         if (under.fraction > taken)
@@ -253,7 +254,7 @@ std::uint64_t FluidSolver::push_body(const Transform& pose, const Body& body, co
     const Rotation turn = to_rotation(now.rotation);
     std::uint64_t clamped = 0;
     Shares shares;
-    Rotation axes{}; // of the part at hand, and where it is
+    Rotation axes{}; // of the current part, and its position
     Vec3 origin{}, middle{};
     for (std::uint32_t k = body.first; k < body.first + body.count; ++k) {
         const Part& part = parts[k];
@@ -279,7 +280,7 @@ std::uint64_t FluidSolver::push_body(const Transform& pose, const Body& body, co
             const Vec3 dv{per_substep(lift.x, step), per_substep(lift.y, step), per_substep(lift.z, step)};
             kick(b, dv, arm_of(s, origin + lockstone::mul<Real>(axes, under.center), dv));
         }
-        // The centre of the shown area moves with the centre of the part under the surface.
+        // The centre of the shown area moves with the centre of the submerged volume.
         if (part.linear != Real{} || part.quadratic != Real{})
             drag(b, s, step, origin + lockstone::mul<Real>(axes, part.area_center + under.center - middle),
                  fluid.def.velocity, part.linear * share, part.quadratic * share);

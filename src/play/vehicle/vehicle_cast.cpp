@@ -1,4 +1,4 @@
-// Where the wheels of vehicles stand, and who wakes by that.
+// Casts the wheels of vehicles onto the ground, and wakes bodies accordingly.
 #include "model/sleep.h"
 #include "play/vehicle/vehicle_driver.h"
 
@@ -6,15 +6,15 @@ namespace lockstone::sim {
 
 namespace {
 
-constexpr Real steepest = 0.17_r; ///< least cosine between a ground's normal and the suspension: 80 degrees
+constexpr Real steepest = 0.17_r; ///< least cosine between ground normal and suspension: 80 degrees
 
-/// What a wheel is cast with, in world axes.
+/// Geometry of the cast of a wheel, in world axes.
 struct WheelCastWay {
-    Vec3 from; ///< a radius above the attachment
+    Vec3 from; ///< one radius above the attachment
     UnitVec3 down;
-    Quat rotation;   ///< y along the axle, of a cylinder
-    Real to_hub;     ///< farthest [m]
-    Vec3 raise, way; ///< down by a radius, and as far as the hub may be
+    Quat rotation;   ///< of a cylinder: y along the axle
+    Real to_hub;     ///< largest distance from `from` to the hub [m]
+    Vec3 raise, way; ///< `down` times the radius, and times to_hub
 };
 
 bool stands_on(const FirstHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
@@ -32,7 +32,8 @@ void cast_ray_wheel(const Scene& scene, const QueryFilter& filter, const WheelDe
     out.length = out.hit.distance - wheel.radius - wheel.radius;
 }
 
-/// The ground that the cast solid of a wheel found. Where that is a wall beside the wheel, or a shape in which the cast begins, a ray looks past it.
+/// Evaluates the hit of a cast wheel. If the cast hit a wall beside the wheel, or began inside a shape, a ray finds
+/// the ground beyond.
 void find_ground(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
                  const WheelCastWay& way, WheelHit& out) {
     if (!out.hit.shape) return;
@@ -40,18 +41,20 @@ void find_ground(const Scene& scene, const QueryFilter& filter, const WheelDef& 
     out.length = out.hit.distance - wheel.radius;
 }
 
-/// Cosine between a ground's normal and an axle from which on a cylinder bears on its rim alone: it leans by 6 degrees.
+/// Largest cosine between a ground's normal and the axle at which the contact moves inwards: a lean of 6 degrees.
+/// Beyond it, a cylinder bears on its rim alone.
 constexpr Real rim_cosine = 0.1_r;
 
-/// An upright cylinder touches level ground along a line, and a cast returns the end of the line that is lower by a rounding error. A tyre is soft:
-/// its contact lies in the middle of the wheel, and moves towards the rim as the wheel leans.
+/// Moves the contact of a cylinder towards the middle of the wheel, where that of a soft tyre is; the more the wheel
+/// leans, the nearer to the rim it stays. An upright cylinder touches level ground along a line, and a cast returns
+/// the end of the line that a rounding error puts lower.
 void bring_inwards(const WheelCastWay& way, FirstHit& hit) {
     if (!hit.shape) return;
     const UnitVec3 axle = to_rotation(way.rotation).y;
     const Real lean = abs(dot<Real>(hit.normal, axle));
     if (lean >= rim_cosine) return;
-    const Vec3 along =
-        to<Real>(axle) - lockstone::scale<Real>(hit.normal, dot<Real>(hit.normal, axle)); // the ground
+    // The projection of the axle onto the plane of the ground.
+    const Vec3 along = to<Real>(axle) - lockstone::scale<Real>(hit.normal, dot<Real>(hit.normal, axle));
     const Vec3 hub = way.from + lockstone::scale<Real>(way.down, hit.distance);
     const Real aside = dot<Real>(axle, hit.point - hub);
     hit.point -= along * (aside / dot(along, to<Real>(axle)) * (Real(1) - lean / rim_cosine));
@@ -63,7 +66,7 @@ constexpr Quat y_to_x{Unit{}, Unit{}, -half_root, half_root};
 
 using WheelCastWays = std::array<WheelCastWay, vehicle_wheels_max>;
 
-/// How the wheels are cast from where their chassis stands.
+/// Computes the casts of all wheels from the present pose of the chassis.
 void find_ways(const Model& w, const VehicleDef& def, const VehicleMemory& memory, WheelCastWays& out) {
     const std::uint32_t chassis = w.row_of(def.chassis);
     const Transform& pose = w.state.rows(w.m.body_pose)[chassis];
@@ -121,7 +124,7 @@ void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory&
 
 } // namespace
 
-/// Whether the wheels of a vehicle that sleeps find the same shapes as when it fell asleep.
+/// True if the wheels of a sleeping vehicle hit the same shapes as when it fell asleep.
 bool VehicleDriver::stands_as_before(const Scene& scene, std::uint32_t k) {
     const Model& w = scene.model;
     const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;
@@ -140,10 +143,10 @@ bool VehicleDriver::cast(Model& w, const Scene& scene) {
     near.resize(count);
     bool woke = false;
     for (std::uint32_t k = 0; k < count; ++k) {
-        // Valid until a body is woken, which moves rows of the state.
+        // The reference is valid until a body is woken, which moves rows of the state.
         const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;
         if (!is_awake(w, w.row_of(def.chassis))) {
-            // Wheels are no shapes: nothing touches them.
+            // Wheels are no shapes, so contacts do not wake the vehicle.
             if (w.header().bodies_awake == 0 || stands_as_before(scene, k)) continue;
             wake(w, def.chassis);
             woke = true;

@@ -1,4 +1,4 @@
-// Steering wheel, gearbox, and what of a vehicle goes back to the state.
+// Steering, gearbox, and the data of a vehicle that is written back to the state.
 #include "play/vehicle/vehicle_driver.h"
 
 #include "base/poison.h"
@@ -14,9 +14,10 @@ namespace {
 
 // ---- steering ------------------------------------------------------------------------------------------------------
 
-/// Of each wheel to the left [rad].
+/// Computes the angle of each wheel, positive to the left [rad].
 void find_steer_angles(const VehicleDef& def, Real steer, VehicleMemory& out) {
-    // The turning centre is on the line of the wheels that do not steer; where all wheels steer, on the line through their mean.
+    // The turning centre is on the line of the wheels that do not steer. If all wheels steer, it is on the line
+    // through their mean.
     Real fixed{}, fixed_count{}, all{};
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
         out.wheel[i].steer = Real{};
@@ -27,7 +28,7 @@ void find_steer_angles(const VehicleDef& def, Real steer, VehicleMemory& out) {
     }
     if (steer == Real{} || def.tracks.enabled != 0) return;
     const Real line = fixed_count > Real{} ? fixed / fixed_count : all / Real(def.wheel_count);
-    Real known{}, known_slope{}; // wheels that steer as far have one slope
+    Real known{}, known_slope{}; // cache of tan(parallel), for wheels with equal angles
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
         const WheelDef& own = def.wheel[i];
         if (own.steer_max == Real{}) continue;
@@ -36,14 +37,14 @@ void find_steer_angles(const VehicleDef& def, Real steer, VehicleMemory& out) {
         if (def.ackermann == Real{} || ahead == Real{}) continue;
         if (parallel != known) known = parallel, known_slope = tan(parallel);
         Real slope = known_slope;
-        if (ahead < Real{}) ahead = -ahead, slope = -slope; // a rear axle, as a mirrored front axle
+        if (ahead < Real{}) ahead = -ahead, slope = -slope; // a rear axle is a mirrored front axle
         const Real ideal = atan2(ahead * slope, ahead - own.attachment.x * slope);
         const Real turned = own.attachment.z < line ? -ideal : ideal;
         out.wheel[i].steer = parallel + (turned - parallel) * def.ackermann;
     }
 }
 
-/// The steering wheel follows the input as fast as it may, and the wheels follow it.
+/// Moves the steering wheel towards the input, at most by steer_speed, and turns the wheels.
 void steer(const Model& w, solve::DrivenVehicle& v) {
     const Real way = v.def->steer_speed / Real(w.config().tick_rate);
     const Real turn = v.input.steer - v.memory.steer;
@@ -64,7 +65,8 @@ Real ratio_of(const GearboxDef& box, std::int32_t gear) {
     return box.forward[static_cast<std::size_t>(gear - 1)] * box.final_drive;
 }
 
-/// The gear that an automatic box wants. It shifts up only where the road goes by fast enough as well: wheels that spin do not count.
+/// The gear that an automatic gearbox selects. It shifts up only if the road speed is high enough too, because wheels
+/// may spin.
 std::int32_t automatic_gear(const GearboxDef& box, const VehicleInput& input, std::int32_t gear,
                             Real wheel_speed, Real road_speed) {
     if (input.gear <= 0) return input.gear < 0 ? -1 : 0;
@@ -112,7 +114,7 @@ void shift_gears(const Model& w, solve::DrivenVehicle& v) {
     v.ratio = m.shift_ticks > 0 ? Real{} : ratio_of(box, m.gear);
 }
 
-// ---- what wheels stand on ------------------------------------------------------------------------------------------
+// ---- ground of the wheels ------------------------------------------------------------------------------------------
 
 solve::WheelGround ground_of(const Scene& scene, const WheelHit& wheel) {
     const FirstHit& hit = wheel.hit;
@@ -132,13 +134,13 @@ solve::WheelGround ground_of(const Scene& scene, const WheelHit& wheel) {
 
 // ---- sleep ---------------------------------------------------------------------------------------------------------
 
-/// Whether nobody drives it and nothing in it turns, so that it may sleep once its chassis rests.
+/// True if the vehicle is not driven and nothing in it turns. It may then sleep once its chassis is at rest.
 bool is_parked(const Model& w, const solve::DrivenVehicle& v) {
     const Real slow = w.config().sleep_speed;
     const Real engine_before = w.state.rows(w.m.vehicle_memory)[v.row].engine_speed;
     if (v.input.throttle != Real{} || v.input.steer != v.memory.steer || v.memory.shift_ticks != 0)
         return false;
-    if (abs(v.memory.engine_speed - engine_before) > Real(1)) return false; // [rad/s] in a tick
+    if (abs(v.memory.engine_speed - engine_before) > Real(1)) return false; // [rad/s] per tick
     for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
         if (abs(v.memory.wheel[i].spin * v.def->wheel[i].radius) > slow) return false;
     return true;

@@ -1,4 +1,4 @@
-// How vehicles are driven: where their wheels stand, gears, steering. What moves them is in solve/vehicles.
+// Control of vehicles: ground under the wheels, gears and steering. Their forces are in solve/vehicles.
 #pragma once
 
 #include "scene/query.h"
@@ -10,33 +10,35 @@
 
 namespace lockstone::sim {
 
-/// What a wheel was cast onto.
+/// The ground that the cast of a wheel found.
 struct WheelHit {
-    FirstHit hit; ///< of no shape: nothing
+    FirstHit hit; ///< no shape: the cast hit nothing
     Real length;  ///< of the suspension [m]
 };
 
 class VehicleDriver {
   public:
-    /// Casts the wheels, once the bounds of the tick are known. Wakes what they stand on, and a vehicle that sleeps when
-    /// something else came under its wheels; true when it woke anything.
+    /// Casts the wheels; the bounds of the tick must be known. Wakes the dynamic bodies under the wheels of awake
+    /// vehicles, and sleeping vehicles with other shapes under their wheels than before. Returns true if it woke a
+    /// body.
     bool cast(Model& w, const Scene& scene);
-    /// Steers and shifts the vehicles that are awake. Valid until the next call.
+    /// Steers and shifts the awake vehicles. The result is valid until the next call.
     std::span<solve::DrivenVehicle> drive(const Scene& scene);
-    /// Writes what the solver left in them to the state. A vehicle that is driven, or in which anything turns, stays awake.
+    /// Writes the memory of the vehicles to the state after the solver. Keeps a vehicle awake that is driven or in
+    /// which anything turns.
     void store(Model& w) const;
     std::span<solve::DrivenVehicle> driven() { return vehicles; }
-    /// Fills what cast() and drive() make anew with a byte.
+    /// Fills all data that cast() and drive() write with a byte, to expose reads of stale data.
     void poison(std::byte with);
 
   private:
     bool stands_as_before(const Scene& scene, std::uint32_t vehicle_row);
 
-    /// Of the wheels of a vehicle that are cast as balls: what they were cast at before.
+    /// Cached triangles around the last cast of each wheel, for wheels that are cast as balls.
     using WheelFaces = std::array<collide::NearFaces, vehicle_wheels_max>;
-    std::vector<WheelFaces> near;                               ///< by row
-    std::vector<std::array<WheelHit, vehicle_wheels_max>> hits; ///< by row
-    std::vector<solve::DrivenVehicle> vehicles;                 ///< by row, of those that are awake
+    std::vector<WheelFaces> near;                               ///< by row of the vehicle
+    std::vector<std::array<WheelHit, vehicle_wheels_max>> hits; ///< by row of the vehicle
+    std::vector<solve::DrivenVehicle> vehicles;                 ///< by row, only awake vehicles
 };
 
 } // namespace lockstone::sim

@@ -1,4 +1,5 @@
-// A desync, from the first tick that differs to a report. What is asked and told stands in inspection.h.
+// The session's part of a desync inspection: from the first different tick to the report. For the protocol
+// see inspection.h.
 #include "session/peer_session.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@ bool PeerSession::set_inspector(StateInspector* whom) {
     return true;
 }
 
-/// Both have found the same tick, so each answers when it has found it.
+/// Called on both machines for the same tick, so each of them can answer the other after this call.
 void PeerSession::begin_inspection(PeerLink& link, const Desync& desync) {
     const State* after = inspector == nullptr ? nullptr : inspector->state_after(desync.tick);
     if (after == nullptr) return;
@@ -18,7 +19,7 @@ void PeerSession::begin_inspection(PeerLink& link, const Desync& desync) {
     for (const InputQueue& queue : queues) {
         const auto input = queue.before(desync.tick + 1);
         const bool has_left = queue.is_absent(desync.tick);
-        if (!input && !has_left) return; // longer ago than inputs are kept
+        if (!input && !has_left) return; // the input is older than the stored ones
         run_on.push_back(has_left ? queue.settled(desync.tick) : PlayerInput{*input, InputStatus::confirmed});
     }
     Rerun rerun = inspector->run_again(desync.tick, run_on);
@@ -48,7 +49,8 @@ std::optional<PacketFault> PeerSession::receive_inspection(PeerLink& link,
     std::optional<Question> question;
     std::optional<Answer> answer;
     if (const auto fault = read_inspection(packet, link.context, question, answer)) return fault;
-    if (link.inspection == nullptr) return PacketFault::implausible; // or it comes again
+    // Not begun here yet, or an unrequested packet; a question is repeated.
+    if (link.inspection == nullptr) return PacketFault::implausible;
     if (question) link.inspection->take(*question);
     if (answer) link.inspection->take(*answer);
     return std::nullopt;

@@ -77,7 +77,7 @@ std::optional<PacketFault> read_inspection(std::span<const std::byte> packet, co
     return PacketFault::malformed;
 }
 
-// ---- answering ---------------------------------------------------------------------------------------------------
+// ---- answers -----------------------------------------------------------------------------------------------------
 
 Inspection::Inspection(DesyncReport known, const State& after, Rerun rerun)
     : report(std::move(known)), here(after), tree(here.hash_tree()), phases(std::move(rerun)) {
@@ -137,7 +137,7 @@ std::span<const std::byte> Inspection::next_packet(const PacketContext& context)
     return packet;
 }
 
-// ---- asking ------------------------------------------------------------------------------------------------------
+// ---- questions ---------------------------------------------------------------------------------------------------
 
 void Inspection::ask_next(std::uint32_t next) {
     topic = next;
@@ -196,7 +196,7 @@ void Inspection::read_pages() {
         question.page = page;
         return ask_next(static_cast<std::uint32_t>(Topic::rows));
     }
-    ask_next(static_cast<std::uint32_t>(Topic::phases)); // only the row counts differ
+    ask_next(static_cast<std::uint32_t>(Topic::phases)); // only row counts differ
 }
 
 void Inspection::read_rows() {
@@ -218,8 +218,8 @@ void Inspection::read_rows() {
     ask_next(static_cast<std::uint32_t>(Topic::phases));
 }
 
-/// Both came from the same state: the first phase after which they differ is where they part, if the tick, run again, goes
-/// the same way as it went.
+/// Both machines have run the tick again from equal states, so the first phase with different hashes is the
+/// first difference, provided that the second run repeats the first.
 void Inspection::read_phases() {
     base::ByteReader in(gathered, "phases");
     report.remote = in.u64("hash");
@@ -249,7 +249,7 @@ namespace lockstone {
 
 namespace {
 
-/// The lowest `count` digits, as hashes are shown: "0000beef".
+/// The lowest `count` hexadecimal digits, as in "0000beef".
 std::string hex_digits(std::uint64_t v, std::size_t count) {
     std::string digits(count, '0');
     for (std::size_t i = count; i > 0; --i, v >>= 4) digits[i - 1] = "0123456789abcdef"[v & 15u];

@@ -11,14 +11,15 @@ std::uint32_t difference(std::byte to, std::byte from) {
     return (std::to_integer<std::uint32_t>(to) - std::to_integer<std::uint32_t>(from)) & 0xffu;
 }
 
-/// -8..-1 and 1..8 as 0..15; more: a change that takes 8 bits.
+/// Maps -8..-1 and 1..8 to 0..15. Returns 16 for a change that takes 8 bits.
 std::uint32_t short_form(std::uint32_t changed) {
-    const std::uint32_t shifted = (changed + 8) & 0xffu; // -8..8 as 0..16, without 8
+    const std::uint32_t shifted = (changed + 8) & 0xffu; // maps -8..8 to 0..16; 8 is no change
     if (shifted > 16 || shifted == 8) return 16;
     return shifted < 8 ? shifted : shifted - 1;
 }
 
-constexpr std::uint32_t short_bits = 5, long_bits = 9; ///< of a change, with the bit that tells which
+/// Length of a change [bits], with the bit for its form.
+constexpr std::uint32_t short_bits = 5, long_bits = 9;
 
 } // namespace
 
@@ -109,7 +110,7 @@ void InputDecoder::read_changes() {
             change(i, form < 8 ? form - 8 : form - 7);
         } else {
             const std::uint32_t by = take(8);
-            if (by == 0 || short_form(by) < 16) failed = true; // there is a shorter form
+            if (by == 0 || short_form(by) < 16) failed = true; // the short form was possible
             change(i, by);
         }
     }

@@ -1,4 +1,4 @@
-// The input delay that the way to the others asks for.
+// InputDelayTuner: chooses the input delay from the measured round trips.
 #include "lockstone/session/input_delay.h"
 
 #include <algorithm>

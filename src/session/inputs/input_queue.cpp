@@ -78,7 +78,8 @@ std::uint64_t InputQueue::take_first_wrong() { return std::exchange(first_wrong,
 void InputQueue::disconnect_at(std::uint64_t tick) {
     LOCKSTONE_ASSERT(tick >= first_kept && cut == never, "player ", player_index, ", tick ", tick);
     cut = tick;
-    if (tick < used_end) first_wrong = std::min(first_wrong, tick); // it did not run on `disconnected`
+    // It ran on an input of the player, not on `disconnected`.
+    if (tick < used_end) first_wrong = std::min(first_wrong, tick);
 }
 
 void InputQueue::begin_at(std::uint64_t tick) {

@@ -1,11 +1,14 @@
-// Coming late, or back: who may, and from which tick on.
+// Admission: which machine joins late or returns, and at which tick.
 //
-// A machine whose players have left, or have never been there, asks all others for its seat, with a ticket that counts its wishes.
-// It cannot name a seat: it asks for the players that play at it. Each machine that has heard that itself says yes, and
-// from which tick on; who has not heard it for a second says no, and nothing comes of that ticket. The latest tick holds. Who
-// sees that all say the same is ready, and changes neither its tick nor its mind; where all are ready at the same tick it is settled. Before
-// that nobody confirms a tick from there on. So no two honest machines settle different ticks, whatever a third one tells
-// each of them: both need the other's word, and nobody gives two.
+// A machine whose players have left, or were never present, sends all others a request for its seat, with a
+// ticket that counts its requests. The request names no seat: it is for the players of the sender. Each
+// machine that receives the request itself answers yes with a tick. A machine that has not received it
+// within a second after another machine's answer says no, and the ticket has failed. The latest of the
+// ticks is valid. A machine that has received the same tick from all others announces ready; then it
+// changes neither tick nor answer. If all are ready at the same tick the join is settled. Before that no
+// machine confirms this tick or a later one. So two honest machines never settle different ticks, even if a
+// third one sends each of them something else: each needs the answer of the other, and no honest machine
+// gives two answers.
 #include "session/peer_session.h"
 
 #include "base/hash.h"
@@ -16,10 +19,12 @@
 namespace lockstone::session {
 
 namespace {
-constexpr std::uint64_t join_lead_ticks = 60; ///< from the word to the tick: time for it to go round
-/// How long a wish counts; and how long one is waited for that only others have heard.
+/// From the answer to the tick: time in which the answers reach all machines.
+constexpr std::uint64_t join_lead_ticks = 60;
+/// A request is valid for so long. After as long without it, a machine refuses a request that it knows only
+/// from others.
 constexpr std::uint64_t fresh_ms = 1000;
-constexpr std::uint64_t told_ms = 10'000; ///< how long a no is told
+constexpr std::uint64_t told_ms = 10'000; ///< a refusal is announced for so long
 } // namespace
 
 PacketContext PeerSession::context_with(PeerId peer) const {
@@ -34,7 +39,7 @@ PacketContext PeerSession::context_with(PeerId peer) const {
     return with;
 }
 
-// ---- wishes ------------------------------------------------------------------------------------------------------
+// ---- requests ----------------------------------------------------------------------------------------------------
 
 std::optional<PacketFault> PeerSession::receive_wish(PeerLink& link, std::span<const std::byte> packet) {
     const std::optional<Wish> wish = read_wish(packet, context.match);
@@ -42,7 +47,7 @@ std::optional<PacketFault> PeerSession::receive_wish(PeerLink& link, std::span<c
     PeerLink::Seat& seat = link.seat;
     if (wish->ticket == 0 || wish->ticket < std::max(seat.wish, seat.ticket)) return PacketFault::implausible;
     if (link.state != PeerLink::State::gone && life_of(wish->ticket) > life_of(seat.ticket))
-        find_fault_with(link); // by its own word it has lost all that it had
+        find_fault_with(link); // the request proves that the machine has lost its state
     if (wish->wants_seat) {
         seat.wish = wish->ticket;
         seat.wish_ms = now;
@@ -57,7 +62,8 @@ void PeerSession::serve_those_who_come() {
     for (PeerLink& link : links) {
         const bool asks = std::exchange(link.seat.asks, false);
         if (!asks || !link.seat.is_settled) continue;
-        // An admitted machine may send another request before it receives its admission: the answer names the ticket of the admission.
+        // An admitted machine may send another request before it receives its admission: the answer names the
+        // ticket of the admission.
         const std::uint32_t settled = link.seat.admission.ticket;
         const bool is_in = link.state != PeerLink::State::gone && life_of(link.seat.wish) == life_of(settled);
         if (link.seat.wish != settled && !is_in) continue;
@@ -67,9 +73,10 @@ void PeerSession::serve_those_who_come() {
     timeline.serve(transport, inspector);
 }
 
-// ---- what this machine says --------------------------------------------------------------------------------------
+// ---- the answer of this machine ----------------------------------------------------------------------------------
 
-/// The others' words about it are kept at their links, by the first player of its machine.
+/// The answers of the others to a joining machine are stored at their links, indexed by the first player of
+/// that machine.
 const JoinWord& PeerSession::word_of(const PeerLink& link, const PeerLink& seat) const {
     return link.words[static_cast<std::size_t>(std::countr_zero(players_of(seat.peer)))];
 }
@@ -77,12 +84,13 @@ const JoinWord& PeerSession::word_of(const PeerLink& link, const PeerLink& seat)
 void PeerSession::apply_joins(PeerLink& link) {
     for (const JoinWord& word : incoming.join_words()) {
         JoinWord& known = link.words[word.player];
-        if (word.ticket == known.ticket && known.stand != JoinStand::yes) continue; // nobody takes those back
+        // The stored answer is final.
+        if (word.ticket == known.ticket && known.stand != JoinStand::yes) continue;
         known = word;
     }
 }
 
-/// One machine comes at a time.
+/// True while a machine is joining: only one joins at a time.
 bool PeerSession::is_admitting() const {
     return std::ranges::any_of(links, [&](const PeerLink& link) {
         return link.seat.stand && link.seat.stand->stand != JoinStand::no;
@@ -95,12 +103,12 @@ bool PeerSession::may_come(const PeerLink& link) const {
     if (link.seat.wish <= link.seat.ticket || link.seat.wish == link.seat.refused ||
         now - link.seat.wish_ms > fresh_ms || now < link.seat.not_before_ms)
         return false;
-    return std::ranges::all_of(queues, [&](const InputQueue& queue) { // its earlier inputs are all confirmed
+    return std::ranges::all_of(queues, [&](const InputQueue& queue) { // all its earlier inputs are confirmed
         return def.players[queue.player()] != link.peer || queue.disconnected_at() <= confirmed;
     });
 }
 
-/// Not before a tick where somebody has left: whoever comes in has none of the inputs that count up to there.
+/// Not before the cut of a departure: a joining machine has none of the inputs that count until that tick.
 std::uint64_t PeerSession::earliest_entry() const {
     std::uint64_t tick = current + join_lead_ticks;
     for (const InputQueue& queue : queues)
@@ -113,7 +121,7 @@ void PeerSession::take_a_stand(PeerLink& link) {
     const std::uint32_t player = static_cast<std::uint32_t>(std::countr_zero(players_of(link.peer)));
     if (seat.stand && (seat.stand->stand != JoinStand::no || seat.is_settled)) return;
     if (seat.stand && now - seat.stand_ms > told_ms) seat.stand.reset();
-    // The newest ticket that others say yes to, if it is newer than those that are over.
+    // The newest ticket that another machine accepts, if it is neither settled nor refused.
     std::uint32_t told = 0;
     for (const PeerLink& other : links) {
         const JoinWord& word = word_of(other, link);
@@ -132,7 +140,8 @@ void PeerSession::take_a_stand(PeerLink& link) {
         seat.is_settled = false;
         seat.stand_ms = seat.told_ms = now;
         seat.refused = told;
-        if (told <= seat.wish) seat.ticket = told; // of greater ones others speak only: they may be made up
+        // A greater ticket is known only from others, who may have invented it.
+        if (told <= seat.wish) seat.ticket = told;
     }
 }
 
@@ -141,13 +150,13 @@ void PeerSession::admit() {
         if (link.state == PeerLink::State::gone) take_a_stand(link);
         if (!link.seat.stand) continue;
         if (link.seat.is_settled && confirmed > link.seat.admission.tick)
-            link.seat.stand.reset(); // that tick is confirmed, so everybody has settled it
+            link.seat.stand.reset(); // the tick is confirmed, so all machines have settled it
         else if (!link.seat.is_settled && link.seat.stand->stand != JoinStand::no)
             agree_on_join(link);
     }
 }
 
-// ---- what all say ------------------------------------------------------------------------------------------------
+// ---- agreement ---------------------------------------------------------------------------------------------------
 
 void PeerSession::agree_on_join(PeerLink& seat) {
     JoinWord& ours = *seat.seat.stand;
@@ -160,7 +169,7 @@ void PeerSession::agree_on_join(PeerLink& seat) {
         const JoinWord& word = word_of(link, seat);
         const bool is_over =
             word.ticket > ours.ticket || (word.ticket == ours.ticket && word.stand == JoinStand::no);
-        // Who has told ready stays so: others may have settled it on that word.
+        // The answer ready is final: other machines may have settled the tick because of it.
         if (is_over && ours.stand != JoinStand::ready) {
             seat.seat.ticket = ours.ticket;
             ours = {ours.player, ours.ticket, JoinStand::no, 0};
@@ -180,7 +189,7 @@ void PeerSession::agree_on_join(PeerLink& seat) {
     if (all_are_ready) settle_join(seat);
 }
 
-/// From here on it is a machine like all others, which has been there from that tick on.
+/// Makes the machine a peer like all others, present from that tick on.
 void PeerSession::settle_join(PeerLink& link) {
     const std::uint64_t tick = link.seat.stand->tick;
     const std::uint32_t players = players_of(link.peer);
@@ -205,7 +214,7 @@ void PeerSession::settle_join(PeerLink& link) {
     link.seat = seat;
 }
 
-/// No tick from here on may be confirmed: somebody's inputs may count from there.
+/// No tick from here on may be confirmed: inputs of a joining machine may count from it.
 std::uint64_t PeerSession::join_bound() const {
     std::uint64_t bound = never;
     for (const PeerLink& link : links)
@@ -214,7 +223,7 @@ std::uint64_t PeerSession::join_bound() const {
     return bound;
 }
 
-/// Whether ticks wait for what it says.
+/// True if ticks wait for an answer of this peer.
 bool PeerSession::owes_join_word(const PeerLink& link) const {
     return std::ranges::any_of(links, [&](const PeerLink& seat) {
         if (&seat == &link || !seat.seat.stand || seat.seat.stand->stand == JoinStand::no ||
@@ -227,10 +236,11 @@ bool PeerSession::owes_join_word(const PeerLink& link) const {
     });
 }
 
-/// Whether somebody may come in before that tick, where a player leaves. It would lack that player's inputs: nobody else can tell it these.
+/// True if a machine may join before that cut. It would lack the inputs of the leaving player, which no
+/// machine may send in that player's place.
 bool PeerSession::is_entry_open(std::uint64_t cut) const { return join_bound() < cut; }
 
-/// Whether the match waits at that tick, or a departure waits whose cut lies behind it.
+/// True if the match waits at that tick, or if a departure waits whose cut is after it.
 bool PeerSession::is_reached(std::uint64_t tick) const {
     return settled_end >= tick || std::ranges::any_of(queues, [&](const InputQueue& queue) {
                const std::uint64_t cut = cuts[queue.player()];

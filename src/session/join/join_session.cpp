@@ -10,7 +10,8 @@ namespace lockstone::session {
 
 namespace {
 
-/// With a new ticket, when nothing came of the last; after every 32 twice as long, so that the tickets of a life last for 4.5 hours.
+/// Time after which a request gets a new ticket. It doubles after every 32 tickets, so the tickets of a
+/// life last for 4.5 hours.
 constexpr std::uint64_t ask_again_ms = 2000;
 constexpr std::uint32_t tickets_alike = 32;
 std::uint64_t patience_with(std::uint32_t ticket) {
@@ -18,19 +19,24 @@ std::uint64_t patience_with(std::uint32_t ticket) {
 }
 bool is_last_of_its_life(std::uint32_t ticket) { return life_of(ticket + 1) != life_of(ticket); }
 
-/// A frame in which it catches up begins with all that may still change, and runs several ticks before any of it is confirmed.
+/// Returns the required number of saved states. During catch-up a frame begins with all ticks that may
+/// still change, and runs several ticks before one of them is confirmed.
 std::uint32_t images_of(const Session& watching, const Session& playing) {
     return std::max(watching.images_max(), playing.images_max() + catch_up_ticks - 1);
 }
 
-/// How long one that is not heard is counted, T. Of the others' patience D, and w, the longest that a word takes one way, with what is lost
-/// and sent again:
+/// The silence T after which another machine no longer counts in agreed_admission(). With D = disconnect_ms
+/// and w = the longest time that a message takes one way, losses and resends included, T must satisfy
+///
 ///   w < T < D - 4 w
-/// Below, one that is there could be taken for gone. Above, who has come in could be thrown out for silence. The worst is a machine
-/// that goes when another one has settled the seat on its word, at s, before its own word of that has come here: it has the
-/// other's word at s + w and answers the next wish, so where nothing of that comes it has gone by s + 2 w. It is last heard here by
-/// s + 3 w, counted no more from s + 3 w + T on, and the first word as a player is there w later, in time before s + D.
-/// A quarter holds both for all w below 3/16 D.
+///
+/// With a smaller T, a present machine could count as gone. With a larger T, the others could drop the
+/// joining machine for silence. The worst case is a machine A that leaves after another machine B has
+/// settled the seat with A's answer, at time s, while A's admission has not arrived here. A has B's answer
+/// at s + w and would answer the next request. So if no admission of A arrives, A has left before s + 2 w.
+/// Its last packet arrives here before s + 3 w, and A no longer counts from s + 3 w + T on. The first
+/// packet of this machine as a player arrives w later, before s + D. D / 4 satisfies both conditions for
+/// all w below 3/16 D.
 std::uint64_t gone_after_ms(const SessionDef& def) { return def.disconnect_ms / 4; }
 
 WatchDef watch_of(const SessionDef& def, const JoinDef& join) {
@@ -63,7 +69,8 @@ JoinSession::JoinSession(const SessionDef& session_def, const JoinDef& how, Tran
     : def(session_def), join(how), transport(packets), match(packet_context(session_def).match),
       watch(session_def, watch_of(session_def, how), packets), inbox(packets),
       ticket(how.life * tickets_of_a_life), images(images_of(watch, PeerSession(session_def, packets))) {
-    // A host that is heard and tells nothing new is asked for half as long as the others have patience with a machine that is in.
+    // A host that sends packets but no new ticks is replaced after half the time in which the others drop a
+    // silent machine.
     constexpr std::uint64_t polls_a_second = 60, most_ms = host_silence_polls * 1000 / polls_a_second;
     const std::uint64_t half_ms = std::min(session_def.disconnect_ms / 2, most_ms);
     watch.ask_next_after(static_cast<std::uint32_t>(half_ms * polls_a_second / 1000),
@@ -91,7 +98,8 @@ void JoinSession::poll(std::uint64_t now_ms) {
     watch.speak(ticket, asks);
 }
 
-/// Others may be settling the ticket before: they tell what comes of that one, and it is as good.
+/// The others may still be settling an earlier ticket. They then send the admission for that one, which is
+/// valid as well.
 void JoinSession::ask_anew() {
     if (!is_last_of_its_life(ticket)) ++ticket;
     ticket_ms = now;
@@ -129,8 +137,9 @@ void JoinSession::hear_admission(const Datagram& datagram) {
         known->second = *heard;
 }
 
-/// The admission that more than half tell alike, of those who play and either have told one or are heard; nothing: there is none yet. `left`:
-/// bit p, player p has left.
+/// Returns the admission, for a tick still ahead, that more than half of the counted machines sent; empty:
+/// none. Counted are machines with players in the match that have sent an admission or were heard recently.
+/// `left`: bit p, player p has left.
 std::optional<Admission> JoinSession::agreed_admission(std::uint32_t left) const {
     const auto others = std::ranges::count_if(watch_of(def, join).hosts, [&](PeerId host) {
         const bool has_told = std::ranges::count(told, host, &std::pair<PeerId, Admission>::first) != 0;
@@ -143,7 +152,7 @@ std::optional<Admission> JoinSession::agreed_admission(std::uint32_t left) const
     return std::nullopt;
 }
 
-/// As soon as the admission is known this machine listens as a player.
+/// Begins to receive as a player as soon as the admission is known.
 void JoinSession::come_in() {
     if (!play && !told.empty() && watch.here_through() > 0) {
         const auto left =
@@ -162,8 +171,8 @@ void JoinSession::come_in() {
 void JoinSession::begin_to_play(const Admission& agreed, std::uint32_t left) {
     admission = agreed;
     Entry entry{agreed.tick, agreed.since, left & ~players_at(def, def.self)};
-    for (std::uint32_t p = 0; p < def.players.size();
-         ++p) // who comes between what is here and that tick is there
+    // A player that joins between the newest tick here and that tick is present.
+    for (std::uint32_t p = 0; p < def.players.size(); ++p)
         if (agreed.since[p] >= watch.here_through()) entry.left &= ~(1u << p);
     SessionDef as_player = def;
     if (join.lockstep) as_player.prediction_max = 0;

@@ -1,8 +1,9 @@
-// The session of a machine that comes into a match: it watches until it is level, then it plays.
+// The session of a machine that joins a running match: a spectator until it has caught up, then a player.
 //
-//   watch: state, log ... ticks below R | play: ticks from R on
+//   spectator: state, log ... ticks below R | player: ticks from R on
 //
-// From the moment that it knows R it listens as a player too, so that what the others send is here when it gets to R.
+// When R is known, the session creates the player's session, which then receives packets too, so that the inputs
+// of the others are here when tick R is reached.
 #pragma once
 
 #include "lockstone/session/join.h"
@@ -13,13 +14,15 @@
 
 namespace lockstone::session {
 
-/// The transport of the session that plays: it reads what is put here, the packets of its kinds, and sends to the wire.
+/// Transport of the player's session: returns the packets that put() stored, sends through the real
+/// transport.
 class Inbox final : public Transport {
   public:
     explicit Inbox(Transport& to) : wire(to) {}
     void send(PeerId to, std::span<const std::byte> bytes) override { wire.send(to, bytes); }
     std::optional<Datagram> receive() override;
     bool authenticated() const override { return wire.authenticated(); }
+    /// Stores a copy of a packet; a full inbox drops it.
     void put(const Datagram& datagram);
 
   private:
@@ -79,12 +82,12 @@ class JoinSession final : public Session {
     Inbox inbox;
     std::unique_ptr<PeerSession> play;
     Admission admission;
-    std::vector<std::pair<PeerId, Admission>> told; ///< by others, of a ticket of this life
+    std::vector<std::pair<PeerId, Admission>> told; ///< admissions for tickets of this life, by machine
     std::uint32_t ticket;
     std::uint64_t now = 0;
-    std::uint64_t asked_ms =
-        0; ///< time of the request with the newest ticket whose predecessors have no answer
-    std::uint64_t ticket_ms = 0; ///< with the newest ticket
+    /// Time of the newest ticket that was requested before the first admission arrived [ms].
+    std::uint64_t asked_ms = 0;
+    std::uint64_t ticket_ms = 0; ///< time of the newest ticket [ms]
     bool asks = false, knows_before = false;
     std::uint32_t images;
     StateInspector* inspector = nullptr;

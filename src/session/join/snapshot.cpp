@@ -16,7 +16,7 @@ std::uint64_t joined(std::uint64_t left, std::uint64_t right) {
     return hash.digest();
 }
 
-/// The place of a chunk is in its hash: two chunks cannot change places.
+/// The hash covers the index, so two chunks cannot exchange their places.
 std::uint64_t leaf(std::uint32_t index, std::span<const std::byte> bytes) {
     return base::xxh3(bytes, std::uint64_t{index} + 1);
 }
@@ -44,7 +44,7 @@ Snapshot::Snapshot(std::uint64_t tick, std::uint64_t hash, std::vector<std::byte
         level.push_back(leaf(i, std::span(image).subspan(i * chunk_bytes, size_of(offered, i))));
     while (level.size() > 1) {
         std::vector<std::uint64_t> above;
-        for (std::size_t i = 0; i < level.size(); i += 2) // the last of an odd number goes up as it is
+        for (std::size_t i = 0; i < level.size(); i += 2) // the last one of an odd number moves up unchanged
             above.push_back(i + 1 < level.size() ? joined(level[i], level[i + 1]) : level[i]);
         levels.push_back(std::move(level));
         level = std::move(above);

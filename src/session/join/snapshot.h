@@ -1,25 +1,27 @@
-// A state on its way to a machine that has none: cut into chunks, each of which proves itself.
+// Transfer of a state to a machine without one, in chunks that each carry a proof.
 //
 //   root = H(tick, hash of the state, bytes, H(H(H(chunk 0), H(chunk 1)), H(H(chunk 2), H(chunk 3))...))
 //
-// A chunk comes with the hashes beside its way up the tree (Merkle, "A Digital Signature Based on a Conventional Encryption
-// Function", 1987), so that it is judged when it arrives, in whatever order. That the state itself is the right one, its hash
-// decides, which other machines tell too: see spectator.h. XXH3 finds accidents and plain lies; whoever searches for another
-// state with the same 64 bits is not stopped by it.
+// A chunk carries the sibling hashes on its path to the root (Merkle, "A Digital Signature Based on a Conventional
+// Encryption Function", 1987), so the receiver can check it on arrival, in any order. The hash of the state, which
+// other machines report too, shows that the state itself is the right one: see spectator.h. XXH3 detects accidents and
+// plain lies, but no attack with a specially computed state with the same 64 bits.
 #pragma once
 
 #include "lockstone/session.h"
 
 namespace lockstone::session {
 
+/// Maximum length of the content of a chunk [bytes].
 inline constexpr std::size_t chunk_bytes = 960;
-inline constexpr std::uint32_t state_bytes_limit = 64u << 20; ///< of any offer
+inline constexpr std::uint32_t state_bytes_limit = 64u << 20; ///< maximum length of an offered state [bytes]
 
-/// What a host has to give: the state before a tick, as a portable image.
+/// Announcement of a state before a tick, as a portable image.
 struct Offer {
     std::uint64_t tick = 0;
-    std::uint64_t hash = 0; ///< of the state, as State::hash gives it
-    std::uint64_t root = 0; ///< of the tree over the chunks
+    std::uint64_t hash = 0; ///< State::hash()
+    std::uint64_t root = 0; ///< root of the tree over the chunks
+    /// Length of the portable image [bytes].
     std::uint32_t bytes = 0;
 
     std::uint32_t chunks() const {
@@ -27,45 +29,50 @@ struct Offer {
     }
     friend bool operator==(const Offer&, const Offer&) = default;
 };
+/// A part of a state.
 struct Chunk {
     std::uint64_t tick = 0;
     std::uint32_t index = 0;
-    std::vector<std::uint64_t> proof; ///< the hashes beside its way, from the bottom
+    std::vector<std::uint64_t> proof; ///< sibling hashes on the path to the root, from the chunk upwards
     std::span<const std::byte> bytes;
 };
 
-/// The host's side.
+/// The host's side: a state with its tree of hashes.
 class Snapshot {
   public:
-    /// `image` is not empty, and at most state_bytes_limit long (asserted).
+    /// `image`: 1 to state_bytes_limit bytes; another length ends the program.
     Snapshot(std::uint64_t tick, std::uint64_t hash, std::vector<std::byte> image);
     const Offer& offer() const { return offered; }
-    void chunk(std::uint32_t index, Chunk& out) const; ///< below offer().chunks()
+    /// Fills `out` with chunk `index` < chunks(), a view of this snapshot.
+    void chunk(std::uint32_t index, Chunk& out) const;
 
   private:
     Offer offered;
     std::vector<std::byte> image;
-    std::vector<std::vector<std::uint64_t>> levels; ///< of the tree, from the chunks to the top
+    /// Hashes of the tree, from the chunks upwards, without the top.
+    std::vector<std::vector<std::uint64_t>> levels;
 };
 
-/// Longest time that a host may take for a whole state, given the number of received chunks. It sends two chunks a poll.
+/// Maximum time for the transfer of a whole state [polls], given the number of received chunks. A host
+/// sends two chunks a poll.
 inline std::uint32_t polls_for_state(std::uint32_t chunks_here) { return 600 + 8 * chunks_here; }
 
-/// Accepted distance of a chunk from the first missing one: the bits of a request cover as many.
+/// Maximum distance of an accepted chunk from the first missing one: a request has one bit for each of
+/// them.
 inline constexpr std::uint32_t chunks_ahead = 64;
 
-/// The receiver's side: takes chunks of one offer. Its memory is that of the chunks that are here, and a bit for each: an offer alone costs
-/// nothing.
+/// The receiver's side: collects the chunks of one offer. It allocates memory only for chunks that have
+/// arrived, and a bit for each, so an offer alone costs no memory.
 class Assembly {
   public:
     Assembly() = default;
     explicit Assembly(const Offer& offer);
     const Offer& offer() const { return offered; }
-    /// False: it is not of this offer, is not what the root says, is here already, or lies more than chunks_ahead beyond the first that is
-    /// missing; then nothing has changed.
+    /// Adds a chunk. Returns false, without a change, if the chunk belongs to another offer, contradicts
+    /// the root, has arrived before, or is more than chunks_ahead beyond the first missing one.
     bool take(const Chunk& chunk);
-    std::uint32_t missing() const { return first_missing; } ///< the first chunk that is
-    std::uint64_t have_after_missing() const;               ///< bit i: chunk missing() + 1 + i is here
+    std::uint32_t missing() const { return first_missing; } ///< the first missing chunk
+    std::uint64_t have_after_missing() const;               ///< bit i: chunk missing() + 1 + i has arrived
     bool is_complete() const { return first_missing == offered.chunks(); }
     std::span<const std::byte> image() const { return bytes; }
 
@@ -73,8 +80,8 @@ class Assembly {
     bool has(std::uint32_t chunk) const { return chunk < have.size() && have[chunk]; }
 
     Offer offered;
-    std::vector<std::byte> bytes; ///< up to the last chunk that is here
-    std::vector<bool> have;       ///< by chunk, up to the last received one
+    std::vector<std::byte> bytes; ///< up to the last chunk that has arrived
+    std::vector<bool> have;       ///< [chunk] up to the last chunk that has arrived
     std::uint32_t first_missing = 0;
 };
 

@@ -9,10 +9,10 @@
 namespace lockstone::session {
 
 namespace {
-/// So near to the newest tick that may be watched, it is level with the match.
+/// A machine has caught up if it is at most so many ticks behind the newest available one.
 constexpr std::uint64_t near_ticks = 8;
-constexpr std::uint32_t patience_polls = 300; ///< how long a host may send nothing of a state
-constexpr std::uint32_t word_polls = 180; ///< how long other machines are waited for that have told no hash
+constexpr std::uint32_t patience_polls = 300; ///< maximum silence of a host during the transfer of a state
+constexpr std::uint32_t word_polls = 180;     ///< maximum waiting time for the hashes of other machines
 } // namespace
 
 SpectatorSession::SpectatorSession(const SessionDef& session_def, WatchDef how, Transport& packets)
@@ -96,11 +96,12 @@ void SpectatorSession::take_stretch(const Stretch& stretch) {
 }
 
 void SpectatorSession::take_offer(const Offer& offer) {
-    if (assembly && assembly->offer().tick >= offer.tick) return; // it was on its way, or is that one
+    // An old offer that was under way, or the current one again.
+    if (assembly && assembly->offer().tick >= offer.tick) return;
     if (offer.bytes > watch.state_bytes_max)
         return refuse(base::join("its state has ", offer.bytes, " bytes, at most ", watch.state_bytes_max,
                                  " are taken"));
-    if (!assembly) polls_without_progress = 0; // another offer is none
+    if (!assembly) polls_without_progress = 0; // a changed offer does not count as progress
     assembly.emplace(offer);
     for (Host& host : hosts) host.state_hash.reset();
     hosts[serving].state_hash = offer.hash;
@@ -122,7 +123,8 @@ void SpectatorSession::take_word(Host& from, const Word& word) {
                                 static_cast<std::uint32_t>(word.hash), from.peer});
 }
 
-/// One wish to the host that serves; the others are asked for a hash, and hear of the ticket.
+/// Sends the serving host a request for ticks or for a state, and the others a request for a hash; each
+/// contains the ticket.
 void SpectatorSession::speak(std::uint32_t ticket, bool wants_seat) {
     judge_state();
     judge_host();
@@ -159,10 +161,11 @@ void SpectatorSession::send_wish(PeerId to, const Wish& wish) {
     counts.bytes_sent += out.size();
 }
 
-// ---- beginning at a state ----------------------------------------------------------------------------------------
+// ---- start from a state ------------------------------------------------------------------------------------------
 
-/// The state is run only where more machines tell its hash than tell another one. Where the host is alone with it, that is not
-/// enough, unless nobody else answers.
+/// Refuses a state that does not arrive in time. Accepts the complete state only if more machines report
+/// its hash than another hash. A report of the sender alone is enough only after word_polls polls without a
+/// report of another machine, or if there is no other host.
 void SpectatorSession::judge_state() {
     if (phase != Phase::fetching) return;
     if (++polls_without_progress > patience_polls) return refuse("it sends no state");
@@ -194,7 +197,8 @@ bool SpectatorSession::is_heard(PeerId peer, std::uint64_t since_ms) const {
     return host != hosts.end() && counts.last_poll_ms - std::max(host->heard_ms, since_ms) <= gone_after_ms;
 }
 
-/// The next host that is heard. Hosts that have gone are passed over: nobody waits for one after the other.
+/// The next host that was heard recently. Silent hosts are skipped, so that no time is lost with each of
+/// them.
 std::optional<std::size_t> SpectatorSession::next_heard() const {
     for (std::size_t i = 1; i < hosts.size(); ++i) {
         const std::size_t next = (serving + i) % hosts.size();
@@ -210,7 +214,8 @@ void SpectatorSession::next_host() {
     polls_without_progress = polls_fetching = 0;
 }
 
-/// Requests the match from that host from here on, and drops the end of the match and the state difference of the previous host.
+/// Sends further requests to that host, and drops the announced end and the state difference of the
+/// previous host.
 void SpectatorSession::ask(std::size_t host) {
     serving_since_ms = counts.last_poll_ms;
     polls_without_ticks = polls_starved = 0;
@@ -218,7 +223,8 @@ void SpectatorSession::ask(std::size_t host) {
     has_told_end = differs = false;
 }
 
-/// True if the host has long announced more ticks than it sends. The watcher then ignores its end of the match.
+/// True if the host has announced more ticks than it sends for too long. The announced end is
+/// then ignored.
 bool SpectatorSession::is_starved() {
     const bool lacks = current + near_ticks < live_end && ticks.next() <= current + near_ticks;
     polls_starved = lacks && has_told_end ? polls_starved + 1 : 0;
@@ -228,7 +234,8 @@ bool SpectatorSession::is_starved() {
     return true;
 }
 
-/// A host that tells nothing may have left the match, and others have it too: the next one is asked from where this one ended.
+/// Changes to the next host if this one sends no new ticks, lacks the next tick, or sends wrong hashes. The
+/// requests continue with the same tick.
 void SpectatorSession::judge_host() {
     if (phase != Phase::following) return;
     const bool has_told = std::exchange(ticks_seen, ticks.next()) != ticks.next();
@@ -244,7 +251,8 @@ void SpectatorSession::judge_host() {
     ask(next.value_or((serving + 1) % hosts.size()));
 }
 
-/// All hosts say that the ticks which are missing here are forgotten, or one does and the others say nothing.
+/// True if all hosts report that they no longer hold the next tick, or if one does and the others send
+/// nothing for too long.
 bool SpectatorSession::is_log_gone() {
     const auto lacking = std::ranges::count_if(hosts, [&](const Host& host) { return lacks_log(host); });
     if (lacking == 0) return false;
@@ -252,7 +260,8 @@ bool SpectatorSession::is_log_gone() {
     return static_cast<std::size_t>(lacking) == hosts.size() || ++polls_without_log > most_polls;
 }
 
-/// The ticks so far stay valid, and no host continues them. Without ticks so far, another state is a valid start.
+/// Handles the loss of the next tick on all hosts. A spectator that begins at a state, and has run no tick
+/// yet, requests another state; otherwise it stops, because no host can continue its ticks.
 void SpectatorSession::begin_anew() {
     polls_without_log = 0;
     for (Host& host : hosts) host.log_begin = 0;
@@ -279,7 +288,7 @@ void SpectatorSession::report_adopted(const Status& taken, std::uint64_t hash) {
 
 bool SpectatorSession::is_level() const {
     if (phase != Phase::following || !has_told_end || current + near_ticks < live_end) return false;
-    std::size_t same = 1, other = 0; // the host that serves tells a hash with each tick
+    std::size_t same = 1, other = 0; // the serving host sends a hash with each tick
     for (std::size_t h = 0; h < hosts.size(); ++h)
         if (h != serving && hosts[h].agrees) ++(*hosts[h].agrees ? same : other);
     return !differs && same > other && (!watch.from_state || confirmed > first);
@@ -304,7 +313,7 @@ Step SpectatorSession::advance() {
         return {Stall::connecting, requests, 0};
     }
     if (phase == Phase::stopped) return {Stall::stopped, requests, 0};
-    // Near the live edge one tick a frame: what comes unevenly is shown evenly.
+    // Near the newest tick, one tick in a frame: this smooths an uneven arrival of ticks.
     const std::uint64_t wanted = current + near_ticks < live_end ? watch.ticks_per_frame : 1;
     const std::uint64_t end = std::min({ticks.next(), current + wanted, last_end});
     for (; current < end; ++current) {
@@ -369,7 +378,7 @@ PeerQuality SpectatorSession::quality(PeerId peer) const {
 
 } // namespace lockstone::session
 
-// ---- hosting, and the way in -------------------------------------------------------------------------------------
+// ---- hosts and factory functions ---------------------------------------------------------------------------------
 
 namespace lockstone {
 

@@ -1,4 +1,4 @@
-// A relay of what is watched: a watcher to the players, a host to those who watch, without a world.
+// A relay for spectators: a spectator of one host, and a host of many spectators, without a world.
 #include "lockstone/session/spectator_relay.h"
 
 #include "session/join/told_ticks.h"
@@ -8,7 +8,8 @@
 namespace lockstone::session {
 namespace {
 
-constexpr std::uint32_t state_patience_polls = 300; ///< with a host that sends nothing more of a state
+/// Maximum silence of a host during the transfer of a state.
+constexpr std::uint32_t state_patience_polls = 300;
 constexpr std::uint32_t hosts_max = players_max, log_ticks_least = 1024, state_polls_least = 120;
 
 class Relay final : public SpectatorRelay {
@@ -54,7 +55,7 @@ class Relay final : public SpectatorRelay {
     }
 
   private:
-    /// Takes packets of the serving host only.
+    /// Handles a packet of the serving host. Returns false if the packet is dropped.
     bool take(const Datagram& datagram) {
         if (const auto stretch = read_stretch(datagram.bytes, match, tick_bytes)) {
             ticks.take(*stretch, timeline.log_end());
@@ -76,16 +77,17 @@ class Relay final : public SpectatorRelay {
             give_up_state();
             return false;
         }
-        if (!assembly) polls_without_chunk = 0; // another offer is none
+        if (!assembly) polls_without_chunk = 0; // a changed offer does not count as progress
         assembly.emplace(offer);
         return true;
     }
 
-    /// The hash of the state must be the one that was told with the ticks.
+    /// Stores the complete state if its hash agrees with the hash in the log.
     void take_state() {
         const Offer offer = assembly->offer();
         const std::optional<std::uint32_t> told = timeline.told_hash(offer.tick - 1);
-        if (!told) return; // the tick is still on its way, or long gone: see ask()
+        // The tick has not arrived yet, or the log has dropped it; ask() retries and has a timeout.
+        if (!told) return;
         if (*told != static_cast<std::uint32_t>(offer.hash)) return give_up_state();
         timeline.set_snapshot(offer, assembly->image());
         state_tick = offer.tick;
@@ -98,19 +100,20 @@ class Relay final : public SpectatorRelay {
         fetches = false;
     }
 
-    /// The next one is asked where this one tells nothing new.
+    /// Changes to the next host after too many polls without new ticks.
     void judge_host() {
         if (std::exchange(ticks_seen, ticks.next()) != ticks.next())
             polls_without_ticks = 0;
         else if (++polls_without_ticks > host_silence_polls && def.hosts.size() > 1) {
             serving = (serving + 1) % def.hosts.size();
             polls_without_ticks = 0;
-            assembly.reset(); // another host's state has another tick
+            assembly.reset(); // a state of another host may be for another tick
             ++host_changes;
         }
     }
 
-    /// A state is asked for by the clock of polls alone, so that no watcher makes a player send more.
+    /// Sends the request of this poll. States are requested at fixed intervals of polls, so that no
+    /// spectator increases the traffic of a player.
     void ask() {
         const bool is_due = def.state_polls != 0 && polls % def.state_polls == 0;
         ++polls;
@@ -144,7 +147,7 @@ class Relay final : public SpectatorRelay {
     std::size_t tick_bytes;
     ToldTicks ticks;
     TimelineHost timeline;
-    std::size_t serving = 0; ///< index of the host that is asked
+    std::size_t serving = 0; ///< index of the host that receives the requests
     std::uint64_t ticks_seen = 0, polls = 0;
     std::uint32_t polls_without_ticks = 0, polls_without_chunk = 0, polls_fetching = 0;
     bool wants_state = false, fetches = false;

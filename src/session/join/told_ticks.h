@@ -1,4 +1,5 @@
-// Ticks of the confirmed timeline as they come from a host: what lies after a gap waits for it, in memory of one size.
+// Buffer of fixed size for ticks of the confirmed timeline from a host. Ticks after a gap stay in it until
+// the gap is filled.
 #pragma once
 
 #include "session/timeline.h"
@@ -7,17 +8,19 @@
 
 namespace lockstone::session {
 
-/// After so many polls in which a host tells nothing new the next one is asked, where there is one.
+/// A listener changes to the next host after so many polls without new ticks, if it has another host.
 inline constexpr std::uint32_t host_silence_polls = 180;
 
+/// Ring of received ticks. The format of a tick is that of Stretch::bytes.
 class ToldTicks {
   public:
     explicit ToldTicks(std::size_t bytes_of_a_tick)
         : tick_bytes(bytes_of_a_tick), ring(history_ticks * tick_bytes), ticks(history_ticks, never) {}
 
-    /// The next tick is `tick`.
+    /// Makes `tick` the first missing one.
     void begin_at(std::uint64_t tick) { first_missing = tick; }
-    /// Takes what is missing below `needed_from` + history_ticks: ticks from `needed_from` on are still read by at().
+    /// Stores the missing ticks below `needed_from` + history_ticks. at() may still read ticks from
+    /// `needed_from` on, so their slots are not reused.
     void take(const Stretch& stretch, std::uint64_t needed_from) {
         for (std::uint32_t t = 0; t < stretch.count; ++t) {
             const std::uint64_t tick = stretch.first + t;
@@ -30,16 +33,16 @@ class ToldTicks {
                ticks[first_missing % history_ticks] == first_missing)
             ++first_missing;
     }
-    std::uint64_t next() const { return first_missing; } ///< ticks below are here
-    /// The bytes of a tick that is here, as Stretch tells: the newest history_ticks.
+    std::uint64_t next() const { return first_missing; } ///< all ticks below have arrived
+    /// The bytes of an arrived tick; the ring holds the newest history_ticks.
     std::span<const std::byte> at(std::uint64_t tick) const {
         return std::span(ring).subspan(tick % history_ticks * tick_bytes, tick_bytes);
     }
 
   private:
     std::size_t tick_bytes;
-    std::vector<std::byte> ring;      ///< by tick modulo history_ticks
-    std::vector<std::uint64_t> ticks; ///< which tick is there
+    std::vector<std::byte> ring;      ///< [history_ticks] by tick modulo history_ticks
+    std::vector<std::uint64_t> ticks; ///< the tick in each slot
     std::uint64_t first_missing = 0;
 };
 

@@ -11,17 +11,18 @@ namespace lockstone::session {
 
 namespace {
 
-/// The first byte of a short packet, and the fourth of a greeting. Its lowest two bits are the number of hashes, 3: told.
+/// Flags in the first byte of a short packet and in the fourth byte of a greeting. The lowest two bits are
+/// the number of hashes; 3: the number follows in a byte of its own.
 constexpr std::uint32_t flag_hashes = 3, flag_quality = 4, flag_departures = 8, flag_joins = 32,
                         flag_short = 128;
-constexpr std::uint32_t flag_heard = 16;                     ///< of greetings only
-constexpr std::uint64_t number_end = std::uint64_t{1} << 32; ///< of ticks and sequence numbers
+constexpr std::uint32_t flag_heard = 16;                     ///< only in greetings
+constexpr std::uint64_t number_end = std::uint64_t{1} << 32; ///< limit of ticks and sequence numbers
 
 std::uint32_t checksum(std::span<const std::byte> bytes, std::uint64_t seed) {
     return static_cast<std::uint32_t>(base::xxh3(bytes, seed));
 }
 
-/// What a short packet leaves out is in its checksum all the same.
+/// Seed of the checksum of a short packet. It covers the fields that the packet omits.
 std::uint64_t seed_of(std::uint32_t match, std::uint64_t sequence, std::uint64_t tick) {
     base::HashStream hash;
     hash.add(match);
@@ -30,14 +31,14 @@ std::uint64_t seed_of(std::uint32_t match, std::uint64_t sequence, std::uint64_t
     return hash.digest();
 }
 
-/// The number with these lowest 16 bits that is nearest to `near`.
+/// The number nearest to `near` that has these low 16 bits.
 std::uint64_t expanded(std::uint16_t low, std::uint64_t near) {
     const auto away =
         static_cast<std::int16_t>(static_cast<std::uint16_t>(low - static_cast<std::uint16_t>(near)));
     return near + static_cast<std::uint64_t>(std::int64_t{away});
 }
 
-/// 0, -1, 1, -2... as 0, 1, 2, 3...
+/// Maps the differences 0, -1, 1, -2, ... to 0, 1, 2, 3, ...
 std::uint64_t zigzag(std::uint64_t to, std::uint64_t from) {
     const std::int64_t n = static_cast<std::int64_t>(to - from);
     return static_cast<std::uint64_t>(n) << 1 ^ static_cast<std::uint64_t>(n >> 63);
@@ -149,7 +150,7 @@ void PacketWriter::write_body(const PacketContext& context, const Sender& sender
     part_since(told.departures);
 }
 
-/// Returns how long the code of a block may be [bytes] that begins at byte `block_begin` of the packet.
+/// Returns the space for the code of a block that begins at byte `block_begin` of the packet [bytes].
 std::size_t PacketWriter::code_room(std::size_t block_begin, std::uint32_t blocks_after) const {
     constexpr std::size_t block_head_max = 6;
     const std::size_t room = packet_bytes_max - checksum_bytes - block_begin;
@@ -187,7 +188,7 @@ std::span<const std::byte> PacketWriter::finish() {
 
 namespace {
 
-/// A number told as its difference to the packet's tick.
+/// Reads a number that is coded as its difference to the packet's tick.
 std::uint64_t read_number(base::ByteReader& in, std::uint64_t tick, std::string_view what) {
     const std::uint64_t code = in.varint(what);
     if (code >= 2 * number_end) in.fail("a number is out of range");
@@ -219,7 +220,7 @@ void read_quality(base::ByteReader& in, Message& out) {
     out.quality = report;
 }
 
-/// Only what is to be told: a section without a departure is malformed.
+/// A section without a departure is malformed.
 void read_departures(base::ByteReader& in, const PacketContext& context, Message& out) {
     out.unwanted = in.u16("unwanted players");
     out.gone = in.u16("gone players");
@@ -236,7 +237,7 @@ void read_departures(base::ByteReader& in, const PacketContext& context, Message
     }
 }
 
-/// By player, in order.
+/// The entries are ordered by player.
 void read_joins(base::ByteReader& in, const PacketContext& context, Message& out) {
     out.join_count = in.u8("joins");
     if (out.join_count == 0 || out.join_count > context.player_count) return in.fail("joins out of range");
@@ -253,7 +254,7 @@ void read_joins(base::ByteReader& in, const PacketContext& context, Message& out
     }
 }
 
-/// Of one player of the sender: nobody can speak for another machine's.
+/// Reads the block of one player of the sender. A packet cannot carry inputs of another machine's players.
 void read_block(base::ByteReader& in, const PacketContext& context, std::uint32_t player,
                 std::span<const std::byte> body, Message& out) {
     constexpr std::array<std::byte, input_bytes_max> anything{};
@@ -270,7 +271,7 @@ void read_block(base::ByteReader& in, const PacketContext& context, std::uint32_
     block.code = in.bytes(bytes, "inputs");
 }
 
-/// The head of either form, up to the checksum.
+/// Reads the head of a greeting or of a short packet.
 std::optional<PacketFault> read_head(base::ByteReader& in, const PacketContext& context, const Sender& sender,
                                      std::uint32_t& flags, Message& out) {
     if (out.greeting) {
@@ -294,7 +295,7 @@ std::optional<PacketFault> read_head(base::ByteReader& in, const PacketContext& 
     return in.ok() ? std::nullopt : std::optional(PacketFault::malformed);
 }
 
-/// Whether the checksum is right, of the form that has one; `body` is then without it.
+/// Checks the checksum, except in short packets of an authenticated transport, and removes it from `body`.
 bool is_whole(const PacketContext& context, const Sender& sender, bool greeting,
               std::span<const std::byte>& body) {
     if (!greeting && sender.sealed) return true;

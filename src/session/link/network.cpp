@@ -1,4 +1,4 @@
-// The simulated network of lockstone/session/transport.h.
+// SimulatedNetwork (lockstone/session/transport.h).
 #include "lockstone/math/random.h"
 #include "lockstone/session/transport.h"
 
@@ -10,7 +10,8 @@ namespace lockstone {
 
 namespace {
 
-constexpr std::size_t usual_flights = 32; ///< at once to one endpoint; more allocate, once
+/// Packets under way to one endpoint; a larger number allocates once.
+constexpr std::size_t usual_flights = 32;
 
 bool happens(std::uint64_t& state, std::uint32_t permille) { return split_mix(state) % 1000 < permille; }
 
@@ -25,9 +26,10 @@ struct SimulatedNetwork::Endpoint final : Transport {
     };
     SimulatedNetwork* network = nullptr;
     PeerId self = 0;
-    std::vector<Flight> inbox; ///< on the way to this endpoint, by (due_ms, sequence), last first
-    std::vector<std::vector<std::byte>> buffers; ///< of packets that have arrived, to be used again
-    std::vector<std::byte> arrived;              ///< what receive handed out
+    /// Packets under way to this endpoint, by (due_ms, sequence), the first to arrive last.
+    std::vector<Flight> inbox;
+    std::vector<std::vector<std::byte>> buffers; ///< of received packets, for reuse
+    std::vector<std::byte> arrived;              ///< the packet that receive() returned last
 
     void send(PeerId to, std::span<const std::byte> bytes) override { network->send(self, to, bytes); }
 
@@ -50,8 +52,8 @@ struct SimulatedNetwork::Endpoint final : Transport {
         buffer.reserve(packet_bytes_max);
         buffer.assign(bytes.begin(), bytes.end());
         const auto later = [](const Flight& a, std::uint64_t due) { return a.due_ms > due; };
-        const auto place =
-            std::lower_bound(inbox.begin(), inbox.end(), due_ms, later); // before its equals: last out
+        // Before packets with an equal time, so that it is received after them.
+        const auto place = std::lower_bound(inbox.begin(), inbox.end(), due_ms, later);
         inbox.insert(place, Flight{due_ms, number, from, std::move(buffer)});
     }
 };

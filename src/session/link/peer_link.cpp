@@ -5,7 +5,7 @@
 namespace lockstone::session {
 
 namespace {
-constexpr std::uint32_t resend_polls = 30; ///< above most round trips at 60 polls a second
+constexpr std::uint32_t resend_polls = 30; ///< longer than most round trips at 60 polls a second
 }
 
 void HashLedger::receive(std::uint64_t tick, std::uint32_t hash) {

@@ -1,4 +1,4 @@
-// The library, and the frame of an asset's bytes.
+// The library of assets, and the header and checksum of an asset's bytes.
 #include "shapes/asset/asset.h"
 
 #include "base/hash.h"
@@ -16,16 +16,16 @@ namespace {
 using base::hex;
 using base::join;
 
-// A byte that is not text, "LSA", CR LF, ctrl-Z, LF: what text transfers damage shows.
+// A byte that is not text, "LSA", CR LF, ctrl-Z, LF: transfers in text mode damage this visibly.
 constexpr std::array<std::uint8_t, 8> magic{0x89, 'L', 'S', 'A', 0x0d, 0x0a, 0x1a, 0x0a};
 constexpr std::uint16_t version_major = 1, version_minor_max = 1;
 
 std::uint64_t checksum_of(std::span<const std::byte> content) {
     const std::uint64_t sum = base::xxh3(content);
-    return sum == 0 ? 1 : sum; // it is the id as well, and zero is none
+    return sum == 0 ? 1 : sum; // the checksum is also the id, and zero means no id
 }
 
-/// Magic, versions and kind; `plane` stands for a kind that no asset has.
+/// Reads magic, versions and kind. Returns `plane`, a kind that no asset has, on an error.
 ShapeKind read_header(base::ByteReader& in, std::uint16_t& minor) {
     const auto start = in.bytes(magic.size(), "magic");
     if (in.ok() && !std::ranges::equal(start, std::as_bytes(std::span(magic))))
@@ -86,7 +86,7 @@ Result<std::unique_ptr<const Asset>> parse_asset(std::span<const std::byte> byte
         return Error{join("asset: checksum is ", hex(id.value), ", the content has ", hex(sum), " (at byte ",
                           bytes.size() - asset_checksum_size, ")")};
     auto asset = std::make_unique<Asset>(id, AssetBytes(bytes.begin(), bytes.end()), ShapeKind::plane);
-    // From its own copy: height fields go on reading there.
+    // Reads from the asset's own copy, because height fields keep references into it.
     base::ByteReader in(std::span<const std::byte>(asset->bytes).first(bytes.size() - asset_checksum_size),
                         "asset");
     std::uint16_t minor = 0;

@@ -1,4 +1,4 @@
-// The frame that every asset's bytes share (ASSET.md), and the reader of each kind.
+// The header and checksum that all assets share (ASSET.md), and the readers and writers of each kind.
 #pragma once
 
 #include "base/bytes.h"
@@ -12,7 +12,7 @@ struct MeshContent; // mesh.h
 
 inline constexpr std::size_t asset_header_size = 20, asset_checksum_size = 8;
 
-/// Collects a payload behind a header; `finish` adds the checksum.
+/// Collects a header and a payload; `finish` appends the checksum.
 class AssetWriter {
   public:
     AssetWriter(ShapeKind kind, std::uint16_t minor_version);
@@ -24,30 +24,31 @@ class AssetWriter {
     base::ByteWriter writer;
 };
 
-/// 1 for what has surfaces or tells what its triangles were before baking, else 0.
+/// 1 for content with surfaces or source indices, else 0.
 std::uint16_t minor_version(const MeshContent& content);
 std::uint16_t minor_version(const Asset& asset);
 
-/// The id that bytes have by their checksum.
+/// The id of an asset's bytes, which is their stored checksum; zero for fewer than 8 bytes.
 AssetId id_of(std::span<const std::byte> bytes);
 
-/// True if the bytes begin as a set of assets does (asset_set.cpp).
+/// True if the bytes begin with the magic of a set of assets (asset_set.cpp).
 bool is_asset_set(std::span<const std::byte> bytes);
 
-/// Checks frame and content. Compounds look up their hulls in the library.
+/// Checks header, checksum and content, and returns the asset. Compounds look up their hulls in the library.
 Result<std::unique_ptr<const Asset>> parse_asset(std::span<const std::byte> bytes,
                                                  const AssetLibrary& library);
 
-/// The bytes again, from what was read: equal to asset.bytes.
+/// Encodes the parsed asset again. The result equals asset.bytes.
 AssetBytes rebuilt(const Asset& asset);
 
-// The payloads. Their definitions are complete: nothing is checked.
+// Write the payload of each kind. The definitions must be valid: these functions check nothing.
 void write_hull(base::ByteWriter& out, std::span<const LengthVec3> corners);
 void write_compound(base::ByteWriter& out, std::span<const CompoundPart> parts);
 void write_height_field(base::ByteWriter& out, const HeightFieldDef& def);
 void write_mesh(base::ByteWriter& out, const MeshContent& content);
 
-// Each reads a payload to its end and proves it. What is wrong is told to the reader, and null comes back.
+// Each reads a payload to its end and checks it. On an error the reader `in` holds the sentence, and the result
+// is null.
 std::unique_ptr<const Hull> read_hull(base::ByteReader& in);
 std::unique_ptr<const Compound> read_compound(base::ByteReader& in, const AssetLibrary& library);
 std::unique_ptr<const HeightField> read_height_field(base::ByteReader& in);

@@ -1,4 +1,4 @@
-// Several assets in one run of bytes. An asset comes after those that it refers to, so a compound comes last.
+// Several assets in one byte string. An asset comes after those that it refers to, so a compound comes last.
 #include "shapes/asset/asset_file.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace {
 
 using base::join;
 
-// As the magic of an asset, with S in place of A.
+// The magic of an asset with S in place of A.
 constexpr std::array<std::uint8_t, 8> set_magic{0x89, 'L', 'S', 'S', 0x0d, 0x0a, 0x1a, 0x0a};
 
 } // namespace
@@ -42,7 +42,7 @@ Result<AssetId> AssetLibrary::add_set(std::span<const std::byte> bytes) {
     const std::uint32_t count = in.u32("count");
     if (in.ok() && (count == 0 || count > asset_set_max))
         in.fail_at(set_magic.size(), join("it holds ", count, " assets, it must be 1 to ", asset_set_max));
-    std::vector<AssetId> added; // removed again if a later asset is refused
+    std::vector<AssetId> added; // removed again if a later asset is invalid
     AssetId last;
     const auto refuse = [&](Error error) {
         for (const AssetId id : added) assets.erase(id);

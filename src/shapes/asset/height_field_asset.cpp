@@ -1,4 +1,4 @@
-// A height field's bytes; the heights stay there.
+// Reads and writes the bytes of a height field. The heights stay in the asset's bytes.
 #include "shapes/asset/asset_file.h"
 #include "shapes/mesh/height_field.h"
 #include "shapes/mesh/surfaces.h"
@@ -11,7 +11,7 @@ namespace {
 
 using base::join;
 
-/// What is wrong with the sizes, or nothing.
+/// Returns the error in the sizes, or an empty string.
 std::string complaint(const HeightGrid& g) {
     for (const auto& [name, count] : {std::pair("columns", g.columns), std::pair("rows", g.rows)})
         if (count < 2 || count > height_field_samples_max)

@@ -1,4 +1,4 @@
-// A hull's bytes: its corners, and nothing that follows from them.
+// Reads and writes the bytes of a hull, which are its corners only.
 #include "shapes/asset/asset_file.h"
 #include "shapes/hull/hull.h"
 

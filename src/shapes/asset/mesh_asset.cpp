@@ -1,4 +1,4 @@
-// A mesh's bytes, and the order of its triangles.
+// Reads and writes the bytes of a mesh, and orders its triangles.
 #include "shapes/asset/asset_file.h"
 #include "shapes/mesh/mesh.h"
 #include "shapes/mesh/surfaces.h"
@@ -19,7 +19,8 @@ constexpr std::size_t vertex_size = 16, triangle_size = 12, material_size = 2, s
 constexpr Coordinate reach_max = Coordinate(8000);
 constexpr std::uint32_t not_numbered = 0xffffffffu;
 
-/// Orders triangles so that every 8, 64, 512 ... of them lie close together: halves along the widest axis.
+/// Orders triangles so that each group of 8, 64, 512 ... lies close together: splits in halves along the widest
+/// axis.
 class SpaceOrder {
   public:
     explicit SpaceOrder(const std::vector<std::array<CoordinateVec3, 3>>& corners) {
@@ -42,10 +43,11 @@ class SpaceOrder {
 
   private:
     struct Item {
-        std::int64_t middle[3]; // twice
+        std::int64_t middle[3]; // twice the centre of the bounds
         std::uint32_t index;
     };
-    /// Pieces of `size` triangles (a power of 8) become whole nodes; the last may be smaller.
+    /// Splits at multiples of `size` triangles (a power of 8), so that they fill whole nodes; the last may be
+    /// smaller.
     void split(std::size_t first, std::size_t last, std::size_t size) {
         while (size > 1 && last - first <= size) size /= 8;
         if (size <= 1 && last - first <= 8) {
@@ -188,7 +190,7 @@ void read_vertices(base::ByteReader& in, std::uint32_t count, MeshContent& conte
     }
 }
 
-/// Vertices must come up in order, so that equal meshes have equal bytes and none is unused.
+/// Checks that vertices appear in order, so that equal meshes have equal bytes and no vertex is unused.
 void read_triangles(base::ByteReader& in, std::uint32_t count, MeshContent& content) {
     const std::size_t start = in.offset();
     const auto bytes = in.bytes(std::uint64_t{count} * triangle_size, "triangles");
@@ -281,7 +283,7 @@ std::unique_ptr<const Mesh> read_mesh(base::ByteReader& in) {
     const std::size_t each = triangle_size + ((flags & mesh_materials) != 0 ? material_size : 0) +
                              ((flags & mesh_sources) != 0 ? source_size : 0);
     const std::uint64_t size = std::uint64_t{vertices} * vertex_size + triangles * std::uint64_t{each};
-    const bool has_surfaces = (flags & mesh_surfaces) != 0; // then their list follows
+    const bool has_surfaces = (flags & mesh_surfaces) != 0; // the list of surfaces follows
     if (in.ok() && (has_surfaces ? size > in.remaining() : size != in.remaining()))
         in.fail_at(start + 8, join(vertices, " vertices and ", triangles, " triangles need ", size,
                                    " bytes, ", in.remaining(), " follow"));

@@ -1,4 +1,5 @@
-// Checks a geometry: sizes, scales, and whether it names an asset. An error names the field, the value and the range.
+// Checks a geometry: its sizes, its scale, and whether it names an asset. An error names the field, the value
+// and the range.
 #include "lockstone/shape.h"
 
 #include <limits>
@@ -10,7 +11,7 @@ namespace {
 constexpr Length scale_min = Length::from_raw(1 << (Length::fraction_bits - 7)); // 1/128
 constexpr Length scale_max = Length(100);
 
-/// To the nearest millionth, without trailing zeros.
+/// The decimal text, rounded to the nearest millionth, without trailing zeros.
 std::string decimal_of(Length v) {
     const std::uint64_t micro = (magnitude(v.raw) * 1'000'000u + (1u << 23)) >> Length::fraction_bits;
     std::string text = v.raw < 0 ? "-" : "";
@@ -22,14 +23,16 @@ std::string decimal_of(Length v) {
     return text;
 }
 
-/// The value, or that it lies beyond what a Length can say: sphere() and its like have clamped it.
+/// The value as text. sphere() and similar functions clamp values beyond the range of Length: the text then
+/// says "or more" or "or less".
 std::string told(Length v, const char* unit) {
     if (v.raw == std::numeric_limits<Length::rep>::max()) return std::string("128") + unit + " or more";
     if (v.raw == std::numeric_limits<Length::rep>::min()) return std::string("-128") + unit + " or less";
     return decimal_of(v) + unit;
 }
 
-/// Empty, or the sentence: only what is wrong makes a text.
+/// Returns an empty string or the error sentence. Builds text only for errors, which keeps the usual case
+/// cheap.
 std::string check(std::string_view shape, std::string_view field, Length v, Length low, Length high,
                   const char* unit = " m") {
     if (v >= low && v <= high) return {};
@@ -50,7 +53,7 @@ template <class... More> std::string first_of(std::string a, More... more) {
         return a.empty() ? first_of(std::move(more)...) : a;
 }
 
-/// A rounding radius is not negative, and the whole stays within 100 m.
+/// A rounding radius must not be negative, and the rounded shape must stay within 100 m.
 std::string check_rounded(std::string_view name, const Geometry& g, Length widest) {
     return first_of(check(name, "radius", g.radius, Length{}, shape_size_max),
                     check(name, "half_extent + radius", widest + g.radius, Length{}, shape_size_max));
@@ -84,7 +87,7 @@ std::string check_sizes(const Geometry& g) {
                         check_rounded(name, g, max(half.x, max(half.y, half.z))));
     case ShapeKind::hull:
         return check(name, "radius", g.radius, Length{}, shape_size_max);
-    default: // a plane has no size, the others have no radius
+    default: // a plane has no size, and the other kinds have no radius
         return check(name, "radius", g.radius, Length{}, Length{});
     }
 }

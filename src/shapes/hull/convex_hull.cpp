@@ -34,13 +34,13 @@ bool is_zero(const WideVec3& n) { return sign_of(n.x) == 0 && sign_of(n.y) == 0 
 
 struct HullFace {
     std::array<std::uint32_t, 3> corner;
-    std::array<std::uint32_t, 3> across; ///< the face beyond the edge corner[k], corner[k + 1]
+    std::array<std::uint32_t, 3> across; ///< the face across the edge corner[k], corner[k + 1]
     WideVec3 normal;
-    std::uint32_t seen_by; ///< the last point that looked at it; `none` when it is gone
+    std::uint32_t seen_by; ///< 1 + the last point tested against it; `none` when the face is removed
     bool visible;
 };
 
-/// The hull while points are added to it.
+/// The hull while points are added.
 class Growing {
   public:
     explicit Growing(std::span<const LengthVec3> sorted)
@@ -51,8 +51,9 @@ class Growing {
     HullFault grow() {
         const HullFault fault = start();
         if (fault != HullFault::none) return fault;
-        // What lies before the last corner of the first tetrahedron was passed over: it may be anywhere. After it,
-        // each point comes later in the order than all before, so it sees a face at the point added last.
+        // start() skipped some points before the last corner of the first tetrahedron; they may be anywhere.
+        // Each later point comes after all added ones in the order, so it is above a face at the point added
+        // last.
         const std::uint32_t last = newest;
         for (std::uint32_t p = 0; p < last; ++p)
             if (added[p] == 0) add(p, any_visible(p));
@@ -61,7 +62,7 @@ class Growing {
         return HullFault::none;
     }
 
-    /// The points at which at least three planes meet.
+    /// The points where at least three planes meet.
     std::vector<LengthVec3> corners() const {
         std::vector<std::uint32_t> creases(points.size(), 0);
         for (const HullFace& f : faces)
@@ -92,7 +93,7 @@ class Growing {
     int height(const HullFace& f, std::uint32_t p) const {
         return sign_of(exact_height(f.normal, points[f.corner[0]], points[p]));
     }
-    /// The corner of the face beyond edge k that is not on the edge.
+    /// The corner of the face across edge k that is not on the edge.
     std::uint32_t opposite(const HullFace& f, std::size_t k) const {
         const HullFace& other = faces[f.across[k]];
         for (std::uint32_t corner : other.corner)
@@ -158,8 +159,9 @@ class Growing {
         return face.visible;
     }
 
-    /// Takes away the faces that p sees, which hang together, and puts a fan from p on their rim. Faces in p's plane
-    /// count as unseen, so no triangle of the fan is degenerate. Nothing to do when p sees none: it is inside.
+    /// Removes the faces that p is above, which are connected, and adds a fan from p to their rim. Faces in p's
+    /// plane stay, so no triangle of the fan is degenerate. Does nothing when p is above no face: p is then
+    /// inside.
     void add(std::uint32_t p, std::uint32_t first_visible) {
         if (first_visible == none) return;
         rim.clear();
@@ -203,12 +205,12 @@ class Growing {
 
     std::span<const LengthVec3> points;
     std::vector<HullFace> faces;
-    std::vector<std::uint32_t> gone, fan; ///< free places; the faces at the point added last
-    std::vector<std::uint32_t> begins_at; ///< by point: the face of the fan whose rim edge begins there
+    std::vector<std::uint32_t> gone, fan; ///< indices of removed faces; the faces at the point added last
+    std::vector<std::uint32_t> begins_at; ///< for each point: the face of the fan whose rim edge begins there
     std::vector<std::uint8_t> added;
     std::vector<RimEdge> rim; ///< scratch of `add`
     std::vector<std::uint32_t> doomed;
-    std::vector<std::uint8_t> taken; ///< by face: it is in `doomed`
+    std::vector<std::uint8_t> taken; ///< for each face: it is in `doomed`
     std::uint32_t newest = 0;
 };
 
@@ -258,11 +260,11 @@ HullFault convex_hull(std::span<const LengthVec3> points, ConvexSurface& out) {
     std::vector<LengthVec3> sorted(points.begin(), points.end());
     std::ranges::sort(sorted, before);
     sorted.erase(std::unique(sorted.begin(), sorted.end()),
-                 sorted.end()); // clang 14 cannot read ranges::unique
+                 sorted.end()); // clang 14 does not compile ranges::unique
     for (;;) {
         Growing hull(sorted);
         if (const HullFault fault = hull.grow(); fault != HullFault::none) return fault;
-        // A second time with the corners alone: then none of the vertices lies within a face or an edge.
+        // Repeats with the corners only, until no vertex is inside a face or an edge.
         std::vector<LengthVec3> corners = hull.corners();
         if (corners.size() == sorted.size()) {
             out.triangles = hull.triangles();

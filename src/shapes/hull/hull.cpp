@@ -30,7 +30,8 @@ Extent extent_of_points(std::span<const LengthVec3> points) {
     return {to<Coordinate>(lower), to<Coordinate>(upper)};
 }
 
-/// The least across a triangle, rounded down. Directions have 30 fraction bits, so it may be 4 steps too small.
+/// The least thickness across a triangle, rounded down. Directions have 30 fraction bits, so it may be 4 steps
+/// too small.
 Length thickness_of(const Hull& hull) {
     std::int64_t least = std::numeric_limits<std::int64_t>::max();
     for (const auto& [a, b, c] : hull.triangles) {
@@ -57,7 +58,7 @@ void find_neighbours(Hull& hull) {
             static_cast<std::uint16_t>(hull.first_neighbour[v + 1] + hull.first_neighbour[v]);
 }
 
-/// The distance of `interior` from the nearest triangle's plane, rounded down; 0 when it is outside.
+/// Distance of `interior` from the plane of the nearest triangle, rounded down; 0 when it is outside.
 Length inner_radius_of(const Hull& hull) {
     Length least = Length::max();
     for (const auto& [a, b, c] : hull.triangles) {

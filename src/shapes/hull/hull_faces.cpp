@@ -1,7 +1,8 @@
-// From the exact triangles of a hull to the faces that contact manifolds want.
+// Merges the exact triangles of a hull into faces for contact manifolds.
 //
-// Triangles in exactly one plane make a facet, a convex polygon. Facets of a quantised or scanned shape that are meant
-// to be one face differ by roundings; they are merged, the largest first, as long as the outline stays convex.
+// Triangles in exactly one plane form a facet, a convex polygon. In a quantised or scanned shape, the facets of
+// one intended face differ by roundings. They are merged, the largest first, as long as the outline stays
+// convex.
 #include "shapes/hull/hull.h"
 
 #include "lockstone/math/math.h"
@@ -15,11 +16,12 @@ namespace lockstone::shapes {
 namespace {
 
 constexpr std::uint16_t no_index = 0xffff;
-// Two facets of one face are closer in direction than acos of this, about 8 degrees; slivers may point anywhere.
+// The angle between two facets of one face is below acos of this, about 8 degrees. Slivers may have any
+// direction.
 constexpr Unit same_way = decimal<Unit>("0.99");
 
 struct Facet {
-    std::uint16_t first, count; // its triangles in `by_facet`
+    std::uint16_t first, count; // range of its triangles in `by_facet`
     WideVec3 normal{};          // exact; its length is twice the area
     Scaled area{};
     UnitVec3 unit{};
@@ -56,7 +58,8 @@ class FaceFinder {
         for (std::size_t t = 0; t < hull.triangles.size(); ++t)
             for (std::size_t k = 0; k < 3; ++k) at(t, k) = static_cast<std::uint16_t>(t);
     }
-    /// The triangle that has the directed edge; `at(t, k)` that of edge k of t, `across(t, k)` the one beyond it.
+    /// The triangle of a directed edge: `at(t, k)` for edge k of t, `across(t, k)` for the opposite direction,
+    /// which is the neighbour.
     std::uint16_t& at(std::size_t t, std::size_t k) {
         return triangle_at[hull.triangles[t][k] * hull.vertices.size() + hull.triangles[t][(k + 1) % 3]];
     }
@@ -105,7 +108,7 @@ class FaceFinder {
     std::span<const std::uint16_t> triangles_of(const Facet& facet) const {
         return std::span(by_facet).subspan(facet.first, facet.count);
     }
-    /// The greatest extent along an axis.
+    /// The greatest extent along a coordinate axis.
     Length span_of(const Facet& facet) const {
         LengthVec3 low = hull.vertices[hull.triangles[by_facet[facet.first]][0]], high = low;
         for (std::uint16_t t : triangles_of(facet))
@@ -117,7 +120,7 @@ class FaceFinder {
 
     bool belongs(const Facet& facet, const Facet& seed) const {
         if (!facet.sliver && dot(facet.unit, seed.unit) < same_way) return false;
-        // n . (v - origin): |v - origin| is below 2^9 m, so 63 bits are enough.
+        // n . (v - origin): |v - origin| is below 2^9 m, so 63 bits suffice.
         const LengthVec3 origin = hull.vertices[hull.triangles[by_facet[seed.first]][0]];
         const std::int64_t lowest = -(std::int64_t{tolerance.raw} << 30);
         for (std::uint16_t t : triangles_of(facet))
@@ -129,7 +132,7 @@ class FaceFinder {
             }
         return true;
     }
-    /// Fills `members`.
+    /// Fills `members` with the seed and the connected facets that belong to it.
     void reach_from(std::uint16_t seed) {
         members.assign(1, seed);
         looked_at.assign(facets.size(), 0);
@@ -152,7 +155,8 @@ class FaceFinder {
         return unit_of(sum);
     }
 
-    /// `outline` of the members, which hang together; false unless it is one loop that meets no vertex twice.
+    /// Fills `outline` from the members, which are connected. Returns false unless it is one loop that visits
+    /// no vertex twice.
     bool trace() {
         is_member.assign(facets.size(), 0);
         for (std::uint16_t m : members) is_member[m] = 1;
@@ -178,7 +182,7 @@ class FaceFinder {
         } while (v != first && v != no_index && outline.size() <= edges);
         return outline.size() == edges;
     }
-    /// Seen along the normal, no corner lies outside of an edge by more than the tolerance.
+    /// True when, seen along the normal, no corner is outside of an edge by more than the tolerance.
     bool is_convex(UnitVec3 normal) const {
         for (std::size_t i = 0; i < outline.size(); ++i) {
             const CoordinateVec3 from = to<Coordinate>(hull.vertices[outline[i]]);
@@ -225,8 +229,8 @@ class FaceFinder {
     std::vector<Facet> facets;
     std::vector<std::uint16_t> by_facet;          // triangles
     std::vector<std::uint16_t> facet_of, face_of; // by triangle; by facet
-    // The face that is being made: its facets and its corners; and scratch.
-    std::vector<std::uint16_t> members, after; // `after`: the corner that follows, by vertex
+    // The face under construction: its facets and its corners; and scratch.
+    std::vector<std::uint16_t> members, after; // `after`: for each vertex the next corner of the outline
     std::vector<std::uint8_t> outline, looked_at, is_member;
 };
 
@@ -240,7 +244,8 @@ Length patch_depth(const Hull& hull) {
 
 namespace {
 
-/// The outline of corners seen along a normal, counter-clockwise: their convex hull without the axis that the normal is longest along.
+/// The outline of corners seen along a normal, counter-clockwise: the 2D convex hull without the normal's
+/// longest axis.
 std::vector<std::uint8_t> outline_of(const Hull& hull, UnitVec3 normal, std::vector<std::uint8_t> corners) {
     int drop = 0;
     for (int i = 1; i < 3; ++i)
@@ -267,7 +272,7 @@ std::vector<std::uint8_t> outline_of(const Hull& hull, UnitVec3 normal, std::vec
                 outline.pop_back();
             outline.push_back(corner);
         }
-        outline.pop_back(); // it begins the other side
+        outline.pop_back(); // the next side begins with it
         std::ranges::reverse(corners);
     }
     return outline;
@@ -283,7 +288,8 @@ void find_patches(Hull& hull) {
         const std::int64_t least = reach_along(hull.vertices, face.normal).high_54 - depth_54;
         const auto own = std::span(hull.loops).subspan(face.first, face.count);
         const auto is_own = [&](std::size_t v) { return std::ranges::find(own, v) != own.end(); };
-        // Corners of the face belong to its patch at any depth: without them the deepest corner of a face that is less flat could be missing.
+        // The corners of the face belong to its patch at any depth: else the deepest corner of a less flat face
+        // could be missing.
         std::vector<std::uint8_t> corners;
         for (std::size_t v = 0; v < hull.vertices.size(); ++v)
             if (is_own(v) || reach_along(std::span(&hull.vertices[v], 1), face.normal).high_54 >= least)
@@ -304,7 +310,8 @@ void index_corners(Hull& hull) {
     for (int axis = 0; axis < 3; ++axis)
         for (std::size_t v = 0; v < stride; ++v)
             hull.lanes.push_back(hull.vertices[v < count ? v : 0][axis].raw);
-    // By the triangles, not by the outlines: a corner within a merged face is in no outline, and yet it may be the furthest corner.
+    // Uses the triangles, not the outlines: a corner inside a merged face is in no outline, but may be the
+    // furthest corner.
     hull.first_face_at.assign(1, 0);
     std::vector<std::uint8_t> is_at(hull.faces.size());
     for (std::size_t v = 0; v < count; ++v) {

@@ -105,7 +105,7 @@ UnitVec3 HeightField::normal_of(const Place& place, const Slope& slope, LengthVe
 }
 
 bool HeightField::is_convex(const Place& place, const Slope& slope, std::uint32_t k) const {
-    // The neighbour's third sample, in columns and rows from the cell's first one.
+    // The neighbour's third sample, in columns and rows from the cell's first sample.
     constexpr std::int32_t columns[2][3] = {{-1, 1, 1}, {0, 2, 0}}, rows[2][3] = {{0, 2, 0}, {1, 1, -1}};
     const std::int32_t c = columns[place.half][k], r = rows[place.half][k];
     const std::int64_t first = std::int64_t{place.row} * grid.columns + place.column;
@@ -144,7 +144,7 @@ FaceEdges HeightField::edges(const Face& face, LengthVec3 scale) const {
 void HeightField::find(const Extent& where, LengthVec3 scale, std::vector<std::uint32_t>& out) const {
     const Extent box = at_scale_one(where, scale);
     if (!overlap(bounds, box)) return;
-    // Cell c reaches from c to c + 1 spacings, ends included.
+    // Cell c covers c to c + 1 spacings, ends included.
     const auto first_cell = [this](Coordinate low) {
         return static_cast<std::uint32_t>(
             std::max<std::int64_t>(ceil_divide(low.raw, grid.spacing.raw) - 1, 0));
@@ -163,7 +163,7 @@ void HeightField::find(const Extent& where, LengthVec3 scale, std::vector<std::u
         for (std::uint32_t c = c0; c <= c1; ++c) {
             const Range& around = tiles[std::size_t{r / tile} * tile_columns + c / tile];
             if (around.lower > high || around.upper < low) {
-                c = c / tile * tile + tile - 1; // to the end of the tile
+                c = c / tile * tile + tile - 1; // skip the rest of the tile in this row
                 continue;
             }
             const std::uint32_t index = 2 * (r * (grid.columns - 1) + c);

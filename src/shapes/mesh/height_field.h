@@ -1,4 +1,4 @@
-// A grid of heights; its triangles are made when they are asked for.
+// A grid of heights. It computes triangles on request and stores none.
 #pragma once
 
 #include "base/bytes.h"
@@ -15,22 +15,22 @@ struct HeightGrid {
     Unit flat_sine;
 };
 
-/// Cell (column, row) has the triangles 2 i and 2 i + 1 with i = row * (columns - 1) + column, on both sides of the
-/// diagonal from its first to its last sample; the first of the two has the edge at the smaller x.
+/// Cell (column, row) has the triangles 2 i and 2 i + 1 with i = row * (columns - 1) + column, on the two sides
+/// of the diagonal from its first to its last sample. Triangle 2 i has the edge at the smaller x.
 class HeightField {
   public:
-    /// `heights` and `cells` (empty: none) are the asset's bytes, which must outlive this.
+    /// `heights` and `cells` (empty: no cells) are parts of the asset's bytes, which must outlive this object.
     HeightField(const HeightGrid& size, std::span<const std::byte> heights, std::span<const std::byte> cells,
                 std::vector<MaterialSurface> surfaces);
     const HeightGrid& size() const { return grid; }
     std::span<const std::byte> cell_bytes() const { return cells; }
-    std::uint32_t triangle_count() const; ///< two a cell; cells with holes have numbers too
+    std::uint32_t triangle_count() const; ///< two for each cell, cells with holes included
     Face face(std::uint32_t index, LengthVec3 scale) const;
-    FaceEdges edges(const Face& face, LengthVec3 scale) const; ///< of what face() has given at this scale
+    FaceEdges edges(const Face& face, LengthVec3 scale) const; ///< for a result of face() at the same scale
     void find(const Extent& where, LengthVec3 scale,
-              std::vector<std::uint32_t>& out) const; ///< without holes
+              std::vector<std::uint32_t>& out) const; ///< skips holes
     Extent extent() const { return bounds; }          ///< at scale 1
-    bool is_hole(std::uint32_t index) const;          ///< of a triangle
+    bool is_hole(std::uint32_t index) const;          ///< of the triangle's cell
     std::uint32_t material_of(std::uint32_t index) const {
         return cells.empty() ? 0 : static_cast<std::uint32_t>(cells[index / 2]);
     }
@@ -45,7 +45,7 @@ class HeightField {
     struct Range {
         std::int32_t lower, upper;
     };
-    /// A triangle by its cell: half 0 has the edge at the smaller x.
+    /// A triangle by its cell. Half 0 has the edge at the smaller x.
     struct Place {
         std::uint32_t column, row, half;
     };
@@ -73,9 +73,9 @@ class HeightField {
     Corners corners_of(const Place& place) const;
     Slope slope_of(const Place& place) const;
     UnitVec3 normal_of(const Place& place, const Slope& slope, LengthVec3 scale) const;
-    /// Moves to the triangle across edge k; false at the border and beside holes.
+    /// Moves to the triangle across edge k. Returns false at the border and beside holes.
     bool cross_edge(Place& place, std::uint32_t k) const;
-    /// The triangle across edge k, which exists, lies below this one's plane.
+    /// True when the triangle across edge k, which must exist, is below this one's plane.
     bool is_convex(const Place& place, const Slope& slope, std::uint32_t k) const;
     void find_tiles();
     static constexpr std::uint32_t tile = 16; ///< cells along each side of a tile
@@ -84,7 +84,7 @@ class HeightField {
     std::span<const std::byte> heights, cells;
     Extent bounds;
     std::vector<MaterialSurface> surface_list;
-    std::vector<Range> tiles; ///< of the heights of tile x tile cells, row by row
+    std::vector<Range> tiles; ///< height ranges of tile x tile cells, row by row
     std::uint32_t tile_columns = 0;
 };
 

@@ -41,10 +41,11 @@ void Mesh::corners_of(std::uint32_t index, CoordinateVec3 (&out)[3]) const {
     for (std::size_t k = 0; k < 3; ++k) out[k] = position_of(content.vertices[content.triangles[index][k]]);
 }
 
-/// Two triangles are neighbours when they alone have an edge and run along it in opposite directions.
+/// Two triangles are neighbours when exactly these two have an edge, and they run along it in opposite
+/// directions.
 void Mesh::find_neighbours() {
     struct HalfEdge {
-        std::uint32_t greater, place; // the greater of its vertices; 3 times the triangle and the edge
+        std::uint32_t greater, place; // the greater of its vertices; 3 times the triangle plus the edge
     };
     std::vector<std::uint32_t> first(content.vertices.size() + 1, 0);
     const auto smaller_of = [](const auto& t, std::size_t k) { return std::min(t[k], t[(k + 1) % 3]); };
@@ -86,7 +87,7 @@ void Mesh::find_creases() {
                 creases[i] |= static_cast<std::uint8_t>(9u << k);
                 continue;
             }
-            if (other < i) continue; // told by the other
+            if (other < i) continue; // set together with the other triangle
             const auto& t = content.triangles[other];
             std::uint32_t back = 0;
             while (neighbours[other][back] != i || t[back] != content.triangles[i][(k + 1) % 3]) ++back;

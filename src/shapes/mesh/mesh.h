@@ -1,4 +1,5 @@
-// A triangle mesh in chunks of 32-bit local coordinates, with a tree over its triangles: neighbours, felt edges, queries.
+// A triangle mesh: vertices in cells of 32-bit local coordinates, neighbours and sharp edges of triangles, and
+// a tree for queries.
 #pragma once
 
 #include "shapes/asset/asset.h"
@@ -7,7 +8,8 @@
 
 namespace lockstone::shapes {
 
-/// A place within 128 m cells: coordinate = cell * 128 m + local, local in 0 .. 2^31 - 1 steps of 2^-24 m.
+/// A vertex in a grid of 128 m cells: coordinate = cell * 128 m + local, local in 0 .. 2^31 - 1 steps of
+/// 2^-24 m.
 struct MeshVertex {
     std::uint32_t local[3];
     std::int8_t cell[3];
@@ -15,7 +17,7 @@ struct MeshVertex {
 
     friend constexpr bool operator==(const MeshVertex&, const MeshVertex&) = default;
 };
-MeshVertex mesh_vertex(CoordinateVec3 p); ///< within 2^14 m of the origin
+MeshVertex mesh_vertex(CoordinateVec3 p); ///< p must be within 2^14 m of the origin
 constexpr CoordinateVec3 position_of(const MeshVertex& v) {
     const auto at = [&v](int i) {
         return Coordinate::from_raw((std::int64_t{v.cell[i]} << 31) + v.local[i]);
@@ -23,14 +25,17 @@ constexpr CoordinateVec3 position_of(const MeshVertex& v) {
     return {at(0), at(1), at(2)};
 }
 
-/// What a mesh is made of; everything else follows.
+/// The content of a mesh as stored in the asset. The mesh computes all other data from it.
 struct MeshContent {
     bool two_sided = false;
     Unit flat_sine{};
-    std::vector<MeshVertex> vertices; ///< in the order in which the triangles name them first
-    std::vector<std::array<std::uint32_t, 3>> triangles; ///< neighbours in space are neighbours here
-    std::vector<std::uint16_t> materials;                ///< one a triangle, or none when all are 0
-    /// By triangle its index before baking, or none when all are their own
+    /// In the order in which the triangles first name them.
+    std::vector<MeshVertex> vertices;
+    /// In an order that keeps neighbours in space together.
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    /// For each triangle; empty when all are 0.
+    std::vector<std::uint16_t> materials;
+    /// For each triangle its index before baking; empty when all indices are unchanged
     std::vector<std::uint32_t> sources;
     std::vector<MaterialSurface> surfaces;
 };
@@ -43,7 +48,7 @@ class Mesh {
     FacePlane plane(std::uint32_t index) const { ///< at scale 1
         return {position_of(content.vertices[content.triangles[index][0]]), normals[index]};
     }
-    FaceEdges edges(const Face& face, LengthVec3 scale) const; ///< of what face() has given at this scale
+    FaceEdges edges(const Face& face, LengthVec3 scale) const; ///< for a result of face() at the same scale
     void find(const Extent& where, LengthVec3 scale, std::vector<std::uint32_t>& out) const;
     Extent extent() const { return bounds; } ///< at scale 1
     bool is_two_sided() const { return content.two_sided; }
@@ -66,7 +71,8 @@ class Mesh {
     Extent bounds;
     std::vector<UnitVec3> normals;                        ///< at scale 1
     std::vector<std::array<std::uint32_t, 3>> neighbours; ///< across edge k
-    std::vector<std::uint8_t> creases; ///< bits 0..2: edge k is convex; 3..5: it is felt at scale 1
+    /// Bits 0..2: edge k is convex; bits 3..5: edge k is sharp at scale 1 (see Triangle).
+    std::vector<std::uint8_t> creases;
     std::unique_ptr<const BoundsHierarchy> hierarchy;
 };
 

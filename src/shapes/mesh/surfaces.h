@@ -1,4 +1,4 @@
-// What triangles are made of and what they were before baking; their surfaces as an asset's bytes hold them.
+// The materials and source indices of triangles, and the format of surfaces in an asset's bytes.
 #pragma once
 
 #include "base/bytes.h"
@@ -10,14 +10,15 @@ namespace lockstone::shapes {
 struct Piece {
     std::uint32_t source;   ///< index in MeshDef::triangles, cell of a height field, part of a compound
     std::uint32_t material; ///< 0: none
-    const MaterialSurface* surface; ///< null: that of the shape
+    const MaterialSurface* surface; ///< null: the shape's own surface
 };
-/// By index as in hits and manifolds; all 0 for other solids, and for an index that the solid has not.
+/// The piece of an index as in hits and manifolds. All 0 for other solids, and for an index out of range.
 Piece piece_of(const Solid& solid, std::uint32_t index);
-/// Of a triangle: 1 + its place among the asset's surfaces, 0: that of the shape. Contacts of different ones stay apart.
+/// 1 + index of the triangle's surface in the asset's list; 0: the shape's own surface. Contacts of different
+/// surfaces are not merged.
 std::uint32_t surface_number(const Solid& solid, std::uint32_t triangle);
 
-/// What is wrong with a list of surfaces, or nothing.
+/// Returns the error in a list of surfaces, or an empty string.
 std::string complaint_of_surfaces(std::span<const MaterialSurface> surfaces);
 void write_surfaces(base::ByteWriter& out, std::span<const MaterialSurface> surfaces);
 std::vector<MaterialSurface> read_surfaces(base::ByteReader& in);

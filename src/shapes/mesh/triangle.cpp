@@ -16,7 +16,7 @@ int length_of(Wide w) {
     const std::uint64_t high = static_cast<std::uint64_t>(positive.high_bits());
     return high != 0 ? 64 + bit_length(high) : bit_length(positive.low_bits());
 }
-/// The leading 60 bits of all three.
+/// Reduces all three to 60 significant bits of the longest.
 Vec3 leading(const Wide3& n) {
     const int length = std::max(length_of(n.x), std::max(length_of(n.y), length_of(n.z)));
     const int drop = length > 60 ? length - 60 : 0;
@@ -33,7 +33,7 @@ Wide3 cross_of(const CoordinateVec3 (&c)[3]) {
     return {minor(u.y, v.z, u.z, v.y), minor(u.z, v.x, u.x, v.z), minor(u.x, v.y, u.y, v.x)};
 }
 
-/// Bounds beyond any asset's reach are all alike.
+/// Bounds are clamped to this, which is beyond any asset.
 constexpr std::int64_t reach = std::int64_t{1} << 45;
 
 /// ceil(n / d), d > 0.

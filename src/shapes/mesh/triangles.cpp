@@ -1,4 +1,4 @@
-// The triangles of meshes and height fields, whichever it is.
+// Functions for solids with triangles: calls those of the mesh or of the height field.
 #include "shapes/mesh/height_field.h"
 #include "shapes/mesh/mesh.h"
 

@@ -12,7 +12,8 @@ namespace {
 
 using shapes::Solid;
 
-/// Half of the profile of a solid of revolution about y: distances from the axis and heights, from the lowest upward.
+/// One side of the profile of a solid of revolution around y: distances from the axis and heights, from the
+/// lowest upward.
 struct ProfilePoint {
     Real distance, height;
 };
@@ -28,14 +29,15 @@ class Soup {
     }
     void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) { soup.triangles.push_back({a, b, c}); }
 
-    /// An arc of a circle about (distance, height), angles in radians from the horizontal, both ends included.
+    /// Adds an arc of a circle around (distance, height), with angles in radians from the horizontal; both ends
+    /// included.
     void add_arc(Profile& profile, ProfilePoint center, Real radius, Real from, Real to) const {
         for (int i = 0; i <= round; ++i) {
             const Real angle = from + (to - from) * i / Real(round);
             profile.push_back({center.distance + radius * cos(angle), center.height + radius * sin(angle)});
         }
     }
-    /// The profile starts and ends on the axis.
+    /// Adds the solid of revolution of a profile that starts and ends on the axis.
     void revolve(const Profile& profile) {
         const std::uint32_t around = static_cast<std::uint32_t>(4 * round);
         const std::uint32_t bottom = vertex({Real{}, profile.front().height, Real{}});
@@ -60,7 +62,8 @@ class Soup {
         }
     }
 
-    /// A box with a grid on each face; with a radius the grid's points are the nearest of the core moved outward.
+    /// Adds a box with a grid on each face. With a radius, the grid's points are points of the core moved
+    /// outward by it.
     void add_box(Vec3 half, Real radius) {
         const int cells = radius > Real{} ? 2 * round + 1 : 1;
         for (int face = 0; face < 6; ++face) {
@@ -93,7 +96,8 @@ class Soup {
     struct Axes {
         int a, b, c;
     };
-    /// Point (i, j) of a face's grid. A rounded face spends its first and last `round` cells on turning by 45 degrees.
+    /// Point (i, j) of a face's grid. On a rounded face the first and the last `round` cells cover 45 degrees
+    /// of rounding.
     Vec3 box_point(Vec3 half, Real radius, Axes axes, Real side, int i, int j, int cells) const {
         if (radius <= Real{}) {
             Vec3 p{};
@@ -102,7 +106,7 @@ class Soup {
             p[axes.c] = j == 0 ? -half[axes.c] : half[axes.c];
             return p;
         }
-        const auto lean = [&](int k) { // tangent of the lean towards an edge
+        const auto lean = [&](int k) { // tangent of the slope towards an edge
             const int from_middle = 2 * k < cells ? k - round : k - round - 1;
             return tan(half_pi * from_middle / Real(2 * round));
         };
@@ -144,7 +148,7 @@ void add_round(Soup& soup, const Geometry& g, Real r, Vec3 half) {
         }
         profile.push_back({Real{}, h + r});
         break;
-    default: { // cone; its slant leans outward and up by the angle of (2 h, c)
+    default: { // cone; its slant's normal has the angle of (2 h, c)
         const Real slant = atan2(c, h + h);
         profile.push_back({Real{}, -h - r});
         if (r > Real{}) {
@@ -161,7 +165,7 @@ void add_round(Soup& soup, const Geometry& g, Real r, Vec3 half) {
     soup.revolve(profile);
 }
 
-/// Corners of a rounded hull, each with directions all around: the hull of all those points.
+/// For a rounded hull, places a polytope of directions at each corner and takes the hull of all points.
 TriangleSoup hull_soup(const shapes::Hull& hull, Length radius) {
     TriangleSoup out;
     const auto add = [&out](std::span<const LengthVec3> vertices, const auto& triangles) {

@@ -1,9 +1,11 @@
-// Followed bodies, four side by side, written once over the lanes L; what is done, and why: solve/joints/followed_turn.h.
+// Followed bodies, four side by side, written once over the lanes L; see solve/joints/followed_turn.h for the method
+// and its reasons.
 //
-// Principal axes are columns a1 a2 a3, so K' = r3 + (r1 - r3) a1 a1^T + (r2 - r3) a2 a2^T, and K'^-1 likewise. Turns of half a substep have
-// 32 fraction bits and are within 1/4 rad, momentum is that of |m| < 32 m/s; what is beyond is left.
+// Principal axes are columns a1 a2 a3, so K' = r3 + (r1 - r3) a1 a1^T + (r2 - r3) a2 a2^T; K'^-1 has the same form with
+// the inverse radii. Turns of half a substep have 32 fraction bits and are within 1/4 rad, and momentum is that of |m|
+// < 32 m/s. The kernel skips bodies with larger numbers.
 //
-// Included as kernel.h, by which this is used.
+// kernel.h includes this; the rules for its inclusion are there.
 #pragma once
 
 #include "solve/bodies/followed_body.h"
@@ -19,7 +21,8 @@ template <class L> class FollowedBodies {
     static_assert(N <= followed_lanes);
     static constexpr int unit_bits = 30, half_bits = followed_half_bits, fine_bits = followed_fine_bits,
                          change_bits = followed_change_bits;
-    static constexpr int entry_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}}; // of xx, yy, zz, xy, xz, yz
+    // index of each entry in xx, yy, zz, xy, xz, yz
+    static constexpr int entry_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
     static constexpr std::int64_t half_max = std::int64_t{1} << (half_bits - 2),
                                   one = std::int64_t{1} << unit_bits;
     using V = typename L::V;
@@ -29,7 +32,7 @@ template <class L> class FollowedBodies {
     // ---- numbers ----
 
     static V half_of(int bits) { return L::splat(std::int64_t{1} << (bits - 1)); }
-    /// Right where the result fits into 32 bits.
+    /// Correct where the result fits into 32 bits.
     template <int S> static V rounded(V sum) { return L::template shift_right<S>(L::add(sum, half_of(S))); }
     static V rounded_by(V sum, V drop) { // 1..62
         return L::shift_right_by(L::add(sum, L::template shift_right<1>(L::shift_left_by(L::splat(1), drop))),
@@ -61,7 +64,7 @@ template <class L> class FollowedBodies {
     static V dot(const V (&a)[3], const V (&b)[3]) {
         return sum3(L::mul(a[0], b[0]), L::mul(a[1], b[1]), L::mul(a[2], b[2]));
     }
-    /// m x of a symmetric matrix, not rounded.
+    /// m x of a symmetric matrix m, without rounding.
     static void multiply(const V (&m)[6], const V (&x)[3], V (&out)[3]) {
         for (int i = 0; i < 3; ++i)
             out[i] = sum3(L::mul(m[entry_at[i][0]], x[0]), L::mul(m[entry_at[i][1]], x[1]),
@@ -94,7 +97,7 @@ template <class L> class FollowedBodies {
 
     // ---- rotations ----
 
-    /// a b of unit quaternions; |a b| is brought back to one as far as roundings move it.
+    /// a b of unit quaternions. Brings |a b| back to one, which roundings change.
     static void multiply(const V (&a)[4], const V (&b)[4], V (&out)[4]) {
         constexpr int extra = 15;
         const auto p = [&](int i, int j) { return L::mul(a[i], b[j]); };
@@ -128,8 +131,8 @@ template <class L> class FollowedBodies {
         m[6] = twice(L::sub(p(0, 2), p(3, 1))), m[7] = twice(L::add(p(1, 2), p(3, 0)));
         m[8] = L::sub(whole, twice(L::add(xx, yy)));
     }
-    /// exp(phi) by Rodrigues' formula: x + sine (phi x x) + versine (phi x (phi x x)), for |phi| components up to 1/4. What series
-    /// leave out is below 2^-27 |phi|.
+    /// exp(phi) by Rodrigues' formula: x + sine (phi x x) + versine (phi x (phi x x)), for |phi| components up to 1/4.
+    /// The error of the series is below 2^-27 |phi|.
     struct SmallTurn {
         V phi[3];                ///< half_bits
         V square, sine, versine; ///< |phi|^2, sin |phi| / |phi| and (1 - cos |phi|) / |phi|^2, Unit
@@ -151,7 +154,7 @@ template <class L> class FollowedBodies {
                 out[i] = rounded<half_bits>(L::sub(L::mul(phi[j], x[k]), L::mul(phi[k], x[j])));
             }
         }
-        /// exp(phi) x, or exp(-phi) x, of |x| below 2^31.
+        /// x becomes exp(phi) x, or exp(-phi) x with Back; |x| is below 2^31.
         template <bool Back> void turn(V (&x)[3]) const {
             V once[3], twice[3];
             cross(x, once), cross(once, twice);
@@ -165,7 +168,7 @@ template <class L> class FollowedBodies {
 
     // ---- turns ----
 
-    /// The turn of half a substep by K^-1 u, half_bits. Returns what is left.
+    /// The turn of half a substep by K^-1 u, half_bits. Returns the mask of the lanes that are skipped.
     static V half_turn(const Pass& pass, const Four& four, unsigned lane, const V* u, V (&half)[3]) {
         V left = L::load64(&four.alone[lane]), fine[3], inverse[6], sums[3];
         for (int i = 0; i < 3; ++i) {
@@ -180,7 +183,7 @@ template <class L> class FollowedBodies {
         }
         return left;
     }
-    /// r3 + (r1 - r3) a1 a1^T + (r2 - r3) a2 a2^T
+    /// The two outer products in r3 + (r1 - r3) a1 a1^T + (r2 - r3) a2 a2^T
     struct Outer {
         V first[6], second[6];
         explicit Outer(const V (&axes)[3][3]) {
@@ -199,7 +202,8 @@ template <class L> class FollowedBodies {
             }
         }
     };
-    /// a b of symmetric matrices with mantissas up to 2^30, of which no row of the one times a column of the other is above 2^60.
+    /// a b of symmetric matrices with mantissas up to 2^30. The product of a row of a with a column of b has to be at
+    /// most 2^60.
     static void multiply(const V (&a)[6], const V (&b)[6], V (&out)[9]) {
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
@@ -208,7 +212,7 @@ template <class L> class FollowedBodies {
                 out[3 * i + j] = rounded<30>(sum);
             }
     }
-    /// Along the principal axes, and back.
+    /// From world axes to the principal axes, and back.
     static void inwards(const V (&axes)[3][3], const V (&x)[3], V (&out)[3]) {
         for (int k = 0; k < 3; ++k) out[k] = rounded<unit_bits>(dot(axes[k], x));
     }
@@ -217,7 +221,7 @@ template <class L> class FollowedBodies {
             out[i] = rounded<unit_bits>(
                 sum3(L::mul(axes[0][i], x[0]), L::mul(axes[1][i], x[1]), L::mul(axes[2][i], x[2])));
     }
-    /// Principal axes of now.
+    /// The present principal axes.
     static void turn_axes(const Four& four, unsigned lane, const V (&m)[9], V (&axes)[3][3]) {
         for (int k = 0; k < 3; ++k) {
             V start[3];
@@ -228,7 +232,8 @@ template <class L> class FollowedBodies {
                                             L::mul(m[3 * i + 2], start[2])));
         }
     }
-    /// Angular momentum per mass along the principal axes, of m with accumulator_bits. Returns what is left.
+    /// Angular momentum per mass along the principal axes, for m with accumulator_bits. Returns the mask of the lanes
+    /// that are skipped.
     static V momentum_of(const Four& four, unsigned lane, const V (&axes)[3][3], const V (&own)[3],
                          V (&out)[3]) {
         V left = L::load64(&four.alone[lane]), fine[3], k[6], sums[3];
@@ -241,7 +246,7 @@ template <class L> class FollowedBodies {
         inwards(axes, sums, out);
         return left;
     }
-    /// The turn of half a substep by a momentum, both along the principal axes. Adds to what is left.
+    /// The turn of half a substep by a momentum, both along the principal axes. Adds skipped lanes to `left`.
     static void by_radii(const Four& four, unsigned lane, V (&x)[3], V& left) {
         for (int i = 0; i < 3; ++i) {
             x[i] = rounded_by(L::mul(x[i], L::load32(&four.half_way[i][lane])),
@@ -249,11 +254,11 @@ template <class L> class FollowedBodies {
             left = L::either(left, not_within(x[i], half_max));
         }
     }
-    /// g by the midpoint rule. Two rounds more than the explicit rule: then a body that spins fast loses energy by what is
-    /// left of the error, where with one or three more it gains.
+    /// Rounds of the midpoint rule for g: two more than the explicit rule has. With these, the remaining error takes
+    /// energy from a body that spins fast; with one more or one less, it adds energy.
     static constexpr int precession_rounds = 3;
 
-    /// `half`: the turn by u, of which the body's own becomes one, in world axes.
+    /// `half`: in, the turn by u; out, the turn by the body's own momentum; in world axes.
     static V precess(const Four& four, unsigned lane, const V (&axes)[3][3], const V (&own)[3],
                      V (&half)[3]) {
         V momentum[3], x[3];
@@ -273,11 +278,11 @@ template <class L> class FollowedBodies {
         outwards(axes, x, half);
         return left;
     }
-    static V speed_of(const Pass& pass, V half) { // w, Speed, within 2048 rad/s
+    static V speed_of(const Pass& pass, V half) { // w in Speed format, within 2048 rad/s
         return L::template shift_right<half_bits - 19>(
             within(L::mul(half, L::splat(pass.half_rate)), L::splat(std::int64_t{2048} << half_bits)));
     }
-    /// K w with accumulator_bits, of a turn of half a substep.
+    /// K w with accumulator_bits, from a turn of half a substep.
     static void u_of(const Pass& pass, const Four& four, unsigned lane, const V (&half)[3], V (&u)[3]) {
         V k[6];
         load(four.k, lane, k), multiply(k, half, u);
@@ -286,7 +291,8 @@ template <class L> class FollowedBodies {
                 within(L::mul(rounded<31>(x), L::splat(pass.half_rate)), L::load64(&four.speed_most[lane])),
                 L::load64(&four.speed_raise[lane]));
     }
-    /// TurnedBody, the rotation and K^-1 of now, to where they are asked for one by one.
+    /// Stores TurnedBody, the rotation and the present K^-1 in FollowedTurn, from which other code reads them body by
+    /// body.
     static void give(const Four& four, FollowedTurn* turns, unsigned lane, const V (&m)[9],
                      const V (&spin)[3], const V (&rotation)[4], const V (&inverse)[6]) {
         std::int32_t* to[N];
@@ -312,7 +318,7 @@ template <class L> class FollowedBodies {
         for (int i = 0; i < 3; ++i)
             out[i] = rounded_within<change_bits>(LaneSum<L, accumulator_bits>{x[i]}, INT32_MAX).lanes();
     }
-    /// M x or M^T x with accumulator_bits, within 4096 m/s, of what is shortened.
+    /// M x or M^T x with accumulator_bits, within 4096 m/s; x is a result of shortened().
     template <bool Transposed>
     static void times(const Four& four, const std::int32_t (&m)[9][followed_lanes], unsigned lane,
                       const V (&x)[3], V (&out)[3]) {
@@ -325,7 +331,7 @@ template <class L> class FollowedBodies {
             out[i] = L::shift_right_by(L::add(L::shift_left_by(within(sum, most), raise), half), drop);
         }
     }
-    /// Adds to g what was added to u without being momentum.
+    /// Adds the part of a change of u that is no momentum to g.
     static void add_precession(Four& four, unsigned lane, const V (&u)[3], const V (&momentum)[3]) {
         const V follows = L::without(L::load64(&four.held[lane]), L::load64(&four.stiff[lane]));
         for (int i = 0; i < 3; ++i) {
@@ -361,7 +367,7 @@ template <class L> class FollowedBodies {
             Bodies b;
             gather(pass, four, lane, b);
             V half[3], q[4], next[4];
-            // A body that answered alone turns alone.
+            // A body that answer() skipped is turned outside of the kernel, unless it is stiff.
             const V alone = L::without(left_before(four, lane), L::load64(&four.stiff[lane]));
             const V left = L::either(alone, half_turn(pass, four, lane, b.motion + 3, half));
             store(four.half, lane, half), load(four.turn, lane, q);
@@ -463,7 +469,8 @@ template <class L> class FollowedBodies {
                 change[i] = L::sub(b.motion[3 + i], L::load64(&four.u_outside[i][lane]));
                 any = L::either(any, L::either(change[i], negated(change[i])));
             }
-            // Of what is not zero, the sign: a mask has all its bits, of which each instruction set looks at another.
+            // Takes the sign of the nonzero values: a mask has to have all bits set, since each instruction set reads
+            // another one of them.
             if (L::lanes_of(L::greater64(L::splat(0), any)) == 0) return;
             shortened(change, x), times<false>(four, four.to_now, lane, x, y);
             shortened(y, x), times<true>(four, four.to_now, lane, x, momentum);

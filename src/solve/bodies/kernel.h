@@ -1,10 +1,11 @@
 // The motion of bodies in a substep, written once over the lanes L. See solve/bodies/body_kernel.h.
 //
-// A body's six velocities are a row of lanes: no body is gathered. Where six is no multiple of the lanes the last window
-// overlaps the one before, and writes the same again.
+// The six velocities of a body are adjacent, and lanes load them directly, so no body has to be gathered. Where six is
+// not a multiple of the number of lanes, the last window overlaps the window before it and writes the same values
+// again.
 //
-// Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
-// too, since the linker keeps one of their copies.
+// Only files that are compiled for one instruction set include this. It must not use inline functions that other files
+// use too, since the linker keeps only one of their copies.
 #pragma once
 
 #include "solve/bodies/body_kernel.h"
@@ -37,7 +38,7 @@ template <class L> class MovedBodies {
         for (unsigned k = 0; k < windows; ++k) row.at[k] = L::load64(p + place(k));
         return row;
     }
-    /// The limits, found once for many bodies.
+    /// The limits, computed once for many bodies.
     struct Limits {
         Row most, least;
     };
@@ -77,7 +78,7 @@ template <class L> class MovedBodies {
         combine(bodies, sums, rows, count, [](V a, V b) { return L::sub(a, b); });
     }
 
-    /// What damping leaves of velocities within their limits, in two parts of 30 bits, as with one body.
+    /// Damps velocities within their limits, in two parts of 30 bits, as for one body.
     static void damp(Row& row, const Row& is_turn, const solve::BodyStep& step) {
         const V linear = L::splat(step.linear_keep.raw), angular = L::splat(step.angular_keep.raw),
                 low_part = L::splat((std::int64_t{1} << 30) - 1), half = L::splat(std::int64_t{1} << 29);
@@ -110,8 +111,8 @@ template <class L> class MovedBodies {
     }
 
     static std::uint32_t integrate_poses(const Pass& pass, std::uint32_t* left) {
-        // Velocity with 27 fraction bits, moved up to where nothing is negative, in two parts of 30 bits and of 8; each times
-        // time with 30.
+        // Velocity with 27 fraction bits, raised so that no value is negative, in two parts of 30 bits and of the rest;
+        // each part is multiplied by the time with 30 fraction bits.
         constexpr int drop = solve::accumulator_bits - 27, up = 57;
         constexpr std::int64_t top = INT32_MAX, bottom = INT32_MIN;
         const Limits limits = limits_of(pass);

@@ -1,5 +1,5 @@
-// What a body keeps through a turn without torque: its angular momentum per mass, and the spin that it has by that.
-// A quick form has room for most bodies; a wide form has room for all.
+// The angular momentum per mass of a body, which a turn without torque keeps, and the spin that follows from it. The
+// quick form has room for most bodies; the wide form has room for all.
 #pragma once
 
 #include "lockstone/math/math.h"
@@ -30,9 +30,9 @@ class Momentum {
     Vec3 radii_inv;
     Quat principal;
     SpinForm form;
-    std::int64_t parts[3]; ///< of it, 30 bits
-    std::int32_t dropped;  ///< by which they are shorter than a Real
-    bool is_quick;         ///< that is enough
+    std::int64_t parts[3]; ///< of `whole`, 30 bits
+    std::int32_t dropped;  ///< number of bits by which they are shorter than a Real
+    bool is_quick;         ///< the parts have enough bits
 
   public:
     Momentum(const BodyStep& s, SpeedVec3 u, Quat principal_axes)
@@ -46,7 +46,8 @@ class Momentum {
         }
     }
     Vec3 per_mass() const { return whole; }
-    /// True if a component over the least radius of gyration exceeds that over the largest by more than this [rad/s], spin_bits.
+    /// True if a component of the momentum divided by the square of the least radius of gyration exceeds the same
+    /// component divided by the square of the largest one by more than this [rad/s], spin_bits.
     bool spins_above(std::int64_t most) const {
         if (shift(3) < 1) return whole != Vec3{};
         for (const std::int64_t part : parts)
@@ -65,13 +66,14 @@ class Momentum {
     Rotation axes_at(Quat rotation) const {
         return to_rotation(principal == Quat::identity() ? rotation : rotation * principal);
     }
-    /// The spin in Real, whatever it is.
+    /// The spin in Real, for any momentum.
     Vec3 wide_spin(const Rotation& axes) const {
         Vec3 inside = mul_transposed<Real>(axes, whole);
         for (int i = 0; i < 3; ++i) inside[i] = inside[i] * radii_inv[i] * radii_inv[i];
         return mul<Real>(axes, inside);
     }
-    /// The spin by 30 bits of the momentum, and by spin_bits along the principal axes. False: that is not enough for it.
+    /// The spin from 30 bits of the momentum, with spin_bits along the principal axes. Returns false where these
+    /// formats have no room.
     bool find_quickly(const Rotation& axes, Vec3& out) const {
         if (!is_quick) return false;
         const UnitVec3* const along = &axes.x;

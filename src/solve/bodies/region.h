@@ -1,4 +1,4 @@
-// Where a field acts.
+// The regions where fields act.
 #pragma once
 
 #include "lockstone/field.h"
@@ -6,7 +6,7 @@
 
 namespace lockstone::solve {
 
-/// Whether a point [m] lies in a region, its borders included. Up to 1e9 m away; coordinates saturate beyond.
+/// True if a point [m] lies in a region or on its border. Exact up to 1e9 m away, where coordinates saturate.
 inline bool contains(const Region& region, Vec3 point) {
     if (region.kind == RegionKind::everywhere) return true;
     const Vec3 p = point - region.pose.position, h = region.half_extent;

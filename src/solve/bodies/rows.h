@@ -9,7 +9,7 @@
 
 namespace lockstone::solve {
 
-/// A body, and what belongs to it.
+/// The identity of a body, and its links to other rows.
 struct BodyInfo {
     BodyId id;
     std::uint64_t user_key;
@@ -19,25 +19,26 @@ struct BodyInfo {
     std::uint32_t traits;      ///< row of the table of BodyTraits
 };
 
-/// Derived from the shapes when they change.
+/// Mass data; computed from the shapes when they change.
 struct BodyMass {
-    Real mass;      ///< [kg]; 0: no mass, the body is not moved by impulses
-    Vec3 center;    ///< centre of mass from the body's origin, in its axes [m]
+    Real mass;      ///< [kg]; 0: no mass, impulses do not move the body
+    Vec3 center;    ///< centre of mass relative to the body's origin, in the body's axes [m]
     Vec3 gyration;  ///< principal gyration radii [m]
-    Quat principal; ///< turns the body's axes into the principal axes
+    Quat principal; ///< rotation from the body's axes to the principal axes
 };
 
-/// What commands and shapes make of a body; the solver only reads it. Bodies that are alike share one row.
+/// The properties of a body that commands and shapes set; the solver only reads them. Bodies with equal properties
+/// share one row.
 struct BodyTraits {
     BodyMass mass;
     Real linear_damping, angular_damping; ///< [1/s]
     Real gravity_scale, drag_scale;
-    Real mass_override;         ///< [kg], 0: from the shapes
+    Real mass_override;         ///< [kg], 0: the mass comes from the shapes
     std::uint32_t locks;        ///< AxisLock bits
     std::uint8_t gyroscopic;    ///< 0 or 1
     std::uint8_t enable_fields; ///< 0 or 1
     std::uint8_t bullet;        ///< 0 or 1
-    std::uint8_t mass_fixed;    ///< 1: the mass was set by command
+    std::uint8_t mass_fixed;    ///< 1: a command set the mass
 };
 
 /// Masses by row of the body columns.
@@ -49,94 +50,96 @@ struct MassView {
     const BodyMass& operator[](std::size_t row) const { return traits[info[row].traits].mass; }
 };
 
-/// Of the centre of mass [m/s] and [rad/s].
+/// Velocity of the centre of mass [m/s], and angular velocity [rad/s].
 struct Velocity {
     SpeedVec3 linear, angular;
     friend constexpr bool operator==(const Velocity&, const Velocity&) = default;
 };
 
-/// Whether a body rests, and with whom it sleeps.
+/// The rest of a body, and its sleeping island.
 struct BodySleep {
-    std::uint32_t still_ticks; ///< in a row, see Stillness in tick/islands.cpp
-    /// Body slot + 1 of the sleeping island's first body, 0: awake; kept until its waking is reported
+    std::uint32_t still_ticks; ///< consecutive still ticks, see Stillness in tick/islands.cpp
+    /// Body slot + 1 of the sleeping island's first body, 0: awake; kept until the wake event is reported
     std::uint32_t island;
-    std::uint32_t next; ///< body slot + 1 of the next body of the sleeping island, a ring; 0: awake
+    std::uint32_t next; ///< body slot + 1 of the next body of the sleeping island, in a ring; 0: awake
     /// Sum of the displacements of the still ticks, each times the tick rate [tick m/s, tick rad/s]
     Velocity moved;
 };
-/// Still ticks are counted from the next one on.
+/// Starts the count of still ticks again.
 constexpr void restart(BodySleep& sleep) {
     sleep.still_ticks = 0;
     sleep.moved = {};
 }
 
-/// Accumulated by commands for the next tick, which takes the row away.
+/// Forces that commands sum up for the next tick, which removes the row.
 struct BodyForce {
     Vec3 force, torque; ///< [N], [N m] about the centre of mass
 };
 
 /// Forces by row of the body columns.
 struct ForceView {
-    std::span<const std::uint32_t> pushes; ///< by row of the body columns: row + 1 of forces, 0: none
+    std::span<const std::uint32_t> pushes; ///< by row of the body columns: row + 1 in `forces`, 0: none
     std::span<const BodyForce> forces;
 
     const BodyForce& operator[](std::size_t row) const {
         static constexpr BodyForce none{};
-        // 0 becomes the greatest number, which is no row; nor is what a push names whose force is gone.
+        // 0 becomes the largest number, which is no row. A push whose force was removed refers to no row either.
         const std::uint32_t at = pushes[row] - 1;
         return at < forces.size() ? forces[at] : none;
     }
 };
 
-/// The pair, in slot order: a.index < b.index. A pair with several manifolds has as many rows, one after another.
+/// The pair of a contact, in slot order: a.index < b.index. A pair with several manifolds has one row for each, and
+/// these rows are adjacent.
 struct ContactKey {
     ShapeId a, b;
     friend constexpr bool operator==(const ContactKey&, const ContactKey&) = default;
 };
 
-/// One point of a manifold, and the impulse per substep that holds it, over the reduced mass of the two bodies.
+/// One point of a manifold, and the impulse per substep that holds it, divided by the reduced mass of the two bodies.
 struct ContactPointMemory {
-    /// From shape B's origin, in shape A's axes [m]; finds the point again when its feature changed
+    /// From shape B's origin, in shape A's axes [m]; identifies the point in the next tick when its feature has changed
     LengthVec3 position;
     std::uint32_t feature;
     Separation separation; ///< when the manifold was made [m]
     Speed normal;          ///< impulse along the normal [m/s]
 };
 
-/// What is the pair's, and not the row's, is the same in all its rows, but for contact_touching.
+/// Flags of a contact. Flags of the pair are equal in all its rows, except contact_touching.
 enum ContactFlags : std::uint32_t {
-    contact_touching =
-        1, ///< of the pair, in its first row: sim::touched() and settle_touching() alone look at it
+    /// of the pair, in its first row; only sim::touched() and settle_touching() read it
+    contact_touching = 1,
     contact_sensor = 2,      ///< of the pair: one of the shapes is a sensor
-    contact_sensor_is_b = 4, ///< and it is the key's b
+    contact_sensor_is_b = 4, ///< of the pair: the sensor is the key's b
     contact_flipped = 8,     ///< of the pair: the manifold's shape A is the key's b
-    contact_passing = 16,    ///< of the pair: goes through a one-way shape until they are apart
-    contact_on_face = 32,    ///< of the row: collide::Manifold::on_face
-    contact_hit = 64,        ///< of the row: stopped its bodies in this tick; gone when events are out
+    /// of the pair: the shapes pass through each other, since one is one-way, until they are apart
+    contact_passing = 16,
+    contact_on_face = 32, ///< of the row: collide::Manifold::on_face
+    contact_hit = 64, ///< of the row: it stopped its bodies in this tick; cleared when the events are written
 };
 
-/// What a contact remembers from tick to tick: the manifold, where it was made, and the impulses. While the shapes stay
-/// where they were to each other, the manifold is used again instead of being made anew, so all of it is state. The tick works
-/// on these; the state holds them as ContactRow, ContactPointMemory and ContactMore: model/contact_rows.h.
+/// The data that a contact keeps from tick to tick: the manifold, the relative pose when it was made, and the impulses.
+/// While the relative pose of the shapes stays the same, the manifold is recycled, so all of this is state. The tick
+/// works on these rows; the state stores them as ContactRow, ContactPointMemory and ContactMore: model/contact_rows.h.
 struct alignas(64) ContactMemory {
     std::uint32_t flags;          ///< ContactFlags
     std::uint32_t count;          ///< points in use; the others are zero
     CoordinateVec3 made_position; ///< of B's origin in A's frame when the manifold was made [m]
-    Quat made_rotation;           ///< B's axes in A's, then
+    Quat made_rotation;           ///< B's axes in A's axes when the manifold was made
     UnitVec3 normal;              ///< from A to B, in A's axes
-    Length margin;                ///< what counted as near, then [m]
+    Length margin;                ///< speculative margin when the manifold was made [m]
     Speed tangent_1, tangent_2;   ///< friction impulse per substep along the tangents of tangents_of() [m/s]
     Length twist;                 ///< friction impulse about the normal [m^2/s]
-    SpeedVec3 rolling;            ///< angular impulse against rolling, world axes, as solve::Rolling has it
-    // Of shapes of many pieces; see collide::Manifold.
+    SpeedVec3 rolling;            ///< angular impulse against rolling, world axes, as in solve::Rolling
+    // For shapes of several pieces; see collide::Manifold.
     std::uint32_t piece_a;                    ///< triangle or part of A
     std::uint32_t piece_b;                    ///< part of B
-    std::array<ContactPointMemory, 4> points; ///< last: most contacts have few
+    std::array<ContactPointMemory, 4> points; ///< last member: most contacts have few
 };
 
-/// What the state holds of every ContactMemory. Its points are the next `count` rows of the table of points, and what
-/// few contacts have is the next row of another table: rows of the three stand in the same order. From made_rotation to twist it is
-/// laid out as ContactMemory.
+/// The data that the state stores of every ContactMemory. Its points are the next `count` rows of the table of points,
+/// and its rare data is the next row of ContactMore, where contact_has_more is set: the rows of the three tables have
+/// the same order. The layout from made_rotation to twist is that of ContactMemory.
 struct ContactRow {
     std::uint16_t flags;      ///< ContactFlags, contact_has_more
     std::uint16_t count;      ///< points, 1 to 4
@@ -147,17 +150,17 @@ struct ContactRow {
     Speed tangent_1, tangent_2;
     Length twist;
 };
-inline constexpr std::uint16_t contact_has_more = 128; ///< a row of ContactMore is its own
+inline constexpr std::uint16_t contact_has_more = 128; ///< the contact has a row of ContactMore
 
-/// Of contacts that have anything of it: on large terrain, of surfaces that resist rolling, of shapes of many pieces.
+/// Rare data of contacts: of large distances, of surfaces with rolling resistance, and of shapes of several pieces.
 struct ContactMore {
-    /// Multiples of 256 m in made_position, without which each is within 128 m
+    /// Multiples of 256 m to add to made_position, which is within 128 m along each axis
     std::array<std::int32_t, 3> beyond;
     SpeedVec3 rolling;
     std::uint32_t piece_a, piece_b;
 };
 
-/// A joint as it was made or changed by commands, and its place in the lists of its bodies.
+/// A joint as commands made or changed it, and its position in the lists of its bodies.
 struct JointRow {
     JointId id;
     JointDef def;
@@ -166,17 +169,17 @@ struct JointRow {
 
 /// Impulses of one axis per substep, lambda (1/mA + 1/mB) [m/s] or [m^2/s].
 struct JointAxisImpulses {
-    Real spring;       ///< or of the lock
-    Real motor;        ///< and friction
-    Real lower, upper; ///< of the limits: at least, at most zero
+    Real spring;       ///< impulse of the spring or of the lock
+    Real motor;        ///< impulse of the motor and of friction
+    Real lower, upper; ///< impulses of the limits: lower at least zero, upper at most zero
 };
 
-/// What a joint remembers from tick to tick, and what it did in the last one.
+/// The impulses that a joint keeps from tick to tick, and its forces in the last tick.
 struct JointMemory {
     std::array<JointAxisImpulses, joint_axis_count> axis;
     Real swing;         ///< impulse of the cone, at most zero
-    Real twist;         ///< angle about x with its whole turns; of gears and racks what they are out by
-    Vec3 force, torque; ///< on B at its frame [N], [N m]; means over the tick
+    Real twist;         ///< angle about x including whole turns; for gears and racks their error
+    Vec3 force, torque; ///< on B at its frame [N], [N m]: means over the tick
 };
 
 template <class V> constexpr void describe(BodyInfo& b, V&& v) {

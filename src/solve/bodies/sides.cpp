@@ -12,7 +12,7 @@ static std::int64_t mean_of(std::span<const std::int64_t> x) {
     return sum / static_cast<std::int64_t>(x.size());
 }
 
-/// Mean distance from the mean, less how far the first half is from the second one.
+/// The mean distance from the mean, minus the distance between the means of the two halves.
 std::int64_t Sides::width_of(std::span<const std::int64_t> x) {
     const std::int64_t middle = mean_of(x);
     std::int64_t sum = 0;
@@ -36,7 +36,7 @@ Sides::Sides(std::span<const Vec3> sample, std::uint32_t count) {
         look_along(d);
         const bool is_axis = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] == 1;
         const std::int64_t width =
-            width_of(x) / 256 * (is_axis ? 256 : 181); // a diagonal's unit is longer by a root of two
+            width_of(x) / 256 * (is_axis ? 256 : 181); // the unit of a diagonal is longer by the root of two
         if (width > widest) widest = width, direction = d;
     }
     look_along(direction);

@@ -10,12 +10,13 @@ namespace {
 
 constexpr std::uint32_t nowhere = 0xffffffffu;
 
-/// Where an item is in a plan.
+/// The position of an item in a plan.
 struct Place {
     std::uint32_t strand = nowhere, piece = 0, item = 0;
 };
 
-/// By piece: how many pieces of each strand are done for certain before it begins, of its own round and of the round before.
+/// By piece: the number of pieces of each strand that are certainly done before it begins, of its own round and of the
+/// round before.
 class Clocks {
   public:
     explicit Clocks(const base::StrandPlan& of)
@@ -30,14 +31,15 @@ class Clocks {
         if (!fault().empty()) return;
         for (const Place& place : in_order) compute_before(place);
     }
-    /// In a sentence: pieces that wait for one another.
+    /// Pieces that wait for each other, in a sentence; empty if there are none.
     std::string fault() const {
         for (std::uint32_t k = 0; k < plan.strands; ++k)
             if (computed[k] != plan.count(k))
                 return base::join("piece ", computed[k], " of strand ", k, " waits for ever");
         return {};
     }
-    /// True if item x is done before item y begins: by the order of their strand, or by the clock of the piece of y.
+    /// True if item x is done before item y begins: by the order within their strand, or by the clock of the piece of
+    /// y.
     bool comes_before(const Place& x, const Place& y) const {
         if (x.strand == y.strand) return x.item < y.item;
         return at(now, y)[x.strand] > x.piece;
@@ -95,12 +97,13 @@ class Clocks {
     }
 
     const base::StrandPlan& plan;
-    Numbers first, computed; ///< by strand: its first piece among all; how many of its clocks are there
-    Numbers now, before;     ///< piece after piece, by strand
+    /// by strand: the index of its first piece among all pieces; the number of its computed clocks
+    Numbers first, computed;
+    Numbers now, before; ///< [piece][strand]
     CheckVector<Place> in_order;
 };
 
-/// Where the items of a plan are, by item.
+/// The positions of the items of a plan, by item.
 CheckVector<Place> places_of(const base::StrandPlan& plan, std::span<const Solved> solved) {
     std::uint32_t end = 0;
     for (const Solved& s : solved) end = std::max(end, s.item + 1);
@@ -115,12 +118,12 @@ CheckVector<Place> places_of(const base::StrandPlan& plan, std::span<const Solve
     return places;
 }
 
-/// A body's first and last constraint so far, by rank.
+/// The first and the last constraint of a body so far, by rank.
 struct Seen {
     const Solved *first = nullptr, *last = nullptr;
 };
 
-/// Compares constraints that follow one another at a body; `seen` becomes what each body sees.
+/// Compares constraints of a body that have adjacent ranks. Sets `seen` for each body.
 std::string pass_fault(const Clocks& clocks, std::span<const Place> places, std::span<const Solved> by_rank,
                        CheckVector<Seen>& seen) {
     for (const Solved& s : by_rank) {
@@ -141,7 +144,7 @@ std::string pass_fault(const Clocks& clocks, std::span<const Place> places, std:
     return {};
 }
 
-/// Compares what is done to bodies between passes with their constraints.
+/// Compares the steps of bodies between passes with their constraints.
 std::string follow_fault(const Clocks& clocks, std::span<const Place> places,
                          std::span<const BetweenPasses> followed, const CheckVector<Seen>& seen) {
     CheckVector<std::uint8_t> is_followed(seen.size(), 0);

@@ -1,14 +1,17 @@
-// Do the plans of passes keep the order of solving?
+// Checks that the plans of passes keep the order of solving.
 //
-// Contacts and joints have an order, and each body has to be moved by its constraints in that order. Packs, strands, workers and lanes only choose which
-// constraints of different bodies come first. Here is the check of that, from the plan alone:
+// Contacts and joints have an order, and the constraints of each body have to move it in that order. Packs, strands,
+// workers and lanes only choose which constraints of different bodies come first. This file checks that, from the plan
+// alone:
 //
-//   rank     of a constraint: its place in the order
-//   item     what a piece of a plan counts: a pack of contacts, a step of joints. Constraints of one item move different bodies
-//   clock    of a piece: for each strand, so many pieces of it are done for certain before the piece begins, by the strand's own order and by waits
+//   rank     of a constraint: its position in the order
+//   item     the unit that pieces of a plan consist of: a pack of contacts, a step of joints. Constraints of one item
+//            move different bodies
+//   clock    of a piece: for each strand, the number of its pieces that are certainly done before the piece begins,
+//            because of the order within its own strand and of waits
 //
-// Two constraints of a body that follow one another by rank are in order, if the item of the first one comes earlier in the same strand, or if the
-// clock of the second one's piece has the first one's piece.
+// Two constraints of a body with adjacent ranks are in order if the item of the first one comes earlier in the same
+// strand, or if the clock of the second one's piece includes the piece of the first one.
 #pragma once
 
 #include "base/assert.h"
@@ -23,14 +26,15 @@
 
 namespace lockstone::solve {
 
-/// Builds without NDEBUG check each plan when it is made, and count in each pass.
+/// Builds without NDEBUG check each plan when it is made, and count constraints in each pass.
 #ifdef NDEBUG
 inline constexpr bool checks_order = false;
 #else
 inline constexpr bool checks_order = true;
 #endif
 
-/// Memory of checks. It does not come from operator new, so a tick that allocates nothing also allocates nothing in a build that checks it.
+/// Allocates memory for checks. It does not use operator new, so a tick that allocates nothing also allocates nothing
+/// in a build with checks.
 template <class T> struct CheckAllocator {
     using value_type = T;
     CheckAllocator() = default;
@@ -57,26 +61,26 @@ struct BetweenPasses {
     std::uint32_t body, strand, piece;
 };
 
-/// The first fault of a pass in a sentence; empty: each body is moved in ascending rank, and each item of `solved` is in the plan. In a plan
-/// without strands items follow one another by number.
+/// The first fault of a pass, in a sentence; empty if each body is moved in ascending rank, and each item of `solved`
+/// is in the plan. In a plan without strands, items run in the order of their numbers.
 std::string order_fault(const base::StrandPlan& plan, std::span<const Solved> solved);
-/// The first fault of passes that are one run: order_fault(), or a body that is followed before its last constraint of a pass, after its first one of the
-/// next pass, or not once.
+/// The first fault of passes that are one run: a fault as above; or the steps of a body between passes come before its
+/// last constraint of a pass, after its first constraint of the next pass, never, or twice.
 std::string order_fault(const base::StrandPlan& plan, std::span<const Solved> solved,
                         std::span<const BetweenPasses> followed);
 
-/// The last constraint that moved each body, while passes run. A body needs no lock here: only the worker that
-/// moves the body counts its constraint, and the plan puts workers of one body in order.
+/// The last constraint that moved each body, while passes run. The entry of a body needs no lock: only the worker that
+/// moves the body counts its constraint, and the plan orders the workers of one body.
 class PassCounter {
   public:
-    /// A tick begins.
+    /// Starts a tick.
     void begin(std::size_t bodies) {
         if (checks_order) last.assign(bodies, 0);
         pass = 0;
     }
-    /// A pass begins.
+    /// Starts a pass, and returns its number; passes count from one.
     std::uint32_t next_pass() { return ++pass; }
-    /// A constraint of a pass moves a body; passes count from one.
+    /// Counts that a constraint of a pass moves a body.
     void move(std::uint32_t of_pass, std::uint32_t rank, std::uint32_t body) {
         if (!checks_order || body == no_body) return;
         const std::uint64_t now = std::uint64_t{of_pass} << 32 | rank;

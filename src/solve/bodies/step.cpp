@@ -38,25 +38,25 @@ StepConstants step_constants(const StepSettings& s) {
     c.linear_speed_max = to<Speed>(min(linear_speed_limit, Real(15) * s.ticks_per_second));
     c.tip_speed_max = to<Speed>(min(tip_speed_limit, Real(2) * s.ticks_per_second));
     c.push_speed_max = to<Speed>(s.push_speed_max);
-    // Relaxing takes the push out of the contact's own two bodies. What joints have passed on stays with the rest of a figure: at full speed,
-    // ragdolls that landed on their feet had more energy than at the start.
+    // The relaxing pass takes the push out of the contact's own two bodies. The speed that joints passed on to the rest
+    // of a figure stays: at full push speed, ragdolls that land on their feet have more energy than at the start.
     c.push_jointed = to<Speed>(s.push_speed_max / Real(10));
     c.restitution_speed_min = to<Speed>(s.restitution_speed_min);
     // With one pass a substep, towers on contacts stiffer than 3 / 16 of the substep rate do not come to rest.
     const Real hertz = min(s.contact_hertz, Real(c.substeps_per_second * 3) / Real(16));
     c.soft = softness(hertz, s.contact_damping, c.substeps_per_second);
     c.soft_static = softness(hertz * 2, s.contact_damping, c.substeps_per_second);
-    // Rigid locks gain energy in chains that swing, more the heavier the end: one pass is not the exact solution, and
-    // nothing takes the difference out. A twentieth of the impulse let go per substep does.
+    // Rigid locks gain energy in chains that swing, more with a heavier end: one pass is not the exact solution, and no
+    // later step takes the difference out. A spring that gives up a twentieth of its impulse in each substep does.
     c.joint = spring_softness(Real(c.substeps_per_second) / Real(4), Real(5), c);
-    // What pushes a body turns with it until relaxing takes it out, and a part stays: chains that whip gain energy from
-    // 1 / 12 of the substep rate on. A tenth of a second is quick enough where substeps are few.
+    // A lock that pushes a body also turns it until relaxing takes the turn out, and a part stays: chains that whip
+    // gain energy from 1 / 12 of the substep rate on. A tenth of a second is quick enough where substeps are few.
     const Real rate = Real(c.substeps_per_second);
     c.tree_rate = max(rate / Real(16), min(Real(10), rate / Real(6)));
     c.tree_load = Real(4);
     c.joint_push_max = Real(4);
-    // Links that whip at the end of a chain turn otherwise in every substep: with more of a guess they part, and pull the load
-    // up when they close.
+    // The turn of links that whip at the end of a chain changes in every substep: with a larger prediction they part,
+    // and pull the load up when they close.
     c.tree_arc_max = Real(1) / Real(10);
     return c;
 }

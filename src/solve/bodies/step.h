@@ -1,4 +1,4 @@
-// The constants of a world's step, all derived from its definition: times, limits, contact softness.
+// The constants of a world's step, computed from its definition: times, limits, contact softness.
 #pragma once
 
 #include "lockstone/math/vec.h"
@@ -10,11 +10,11 @@ struct Softness {
     Speed bias_rate;    ///< [1/s]: overlap -> push speed
     Unit mass_scale;    ///< of the effective mass
     Unit impulse_scale; ///< of the accumulated impulse
-    /// Impulse_scale / mass_scale, at most 1: how much of its impulse a contact yields in a substep
+    /// impulse_scale / mass_scale, at most 1: the share of its impulse that a contact gives up in a substep
     Unit ease;
 };
 
-/// A spring of a joint. As Softness, but stiffer: up to 1000 Hz.
+/// A spring of a joint. Like Softness, but for stiffer springs: up to 1000 Hz.
 struct SpringSoftness {
     Real rate; ///< [1/s]
     Unit mass_scale, impulse_scale;
@@ -25,18 +25,18 @@ struct StepConstants {
     std::int32_t substeps;
     std::int64_t substeps_per_second; ///< ticks_per_second * substeps
     Unit substep_time, tick_time;     ///< [s], at most 1
-    Speed linear_speed_max;           ///< [m/s]: 500, and 15 m in a tick
-    Speed tip_speed_max;              ///< [m/s]: 170 of u = K w, and 2 m in a tick
+    Speed linear_speed_max;           ///< [m/s]: 500, and at most 15 m in a tick
+    Speed tip_speed_max;              ///< [m/s]: 170 of u = K w, and at most 2 m in a tick
     Speed push_speed_max;             ///< [m/s]
-    Speed push_jointed;               ///< [m/s]: of bodies that joints hold, see step_constants()
+    Speed push_jointed;               ///< [m/s]: for bodies with joints, see step_constants()
     Speed restitution_speed_min;      ///< [m/s]
-    Softness soft, soft_static;       ///< against dynamic bodies; against what does not move
-    SpringSoftness joint;             ///< of locks that are solved one after another
-    Real tree_rate;                   ///< [1/s]: error -> push speed, of locks that are solved at once
-    /// Trees whose bodies carry more than this in masses of their own are solved at once; joint_tree.h
+    Softness soft, soft_static;       ///< against dynamic bodies; against bodies that impulses do not move
+    SpringSoftness joint;             ///< of locks that are solved one by one
+    Real tree_rate; ///< [1/s]: error -> push speed, of locks that are solved at once, in trees
+    /// Trees with a body that carries more than this times its own mass are solved at once; joint_tree.h
     Real tree_load;
-    Real joint_push_max; ///< [m/s] or [rad/s]: most that a lock is pushed by its error
-    Real tree_arc_max;   ///< [m/s]: most that the bias of a lock of a tree looks ahead along an arc
+    Real joint_push_max; ///< [m/s] or [rad/s]: largest push speed of a lock by its error
+    Real tree_arc_max;   ///< [m/s]: largest part of the bias of a tree's lock that predicts the arc
 };
 
 struct StepSettings {

@@ -1,7 +1,7 @@
-// K of bodies when a tick begins, and their poses and velocities when it ends, written once over the lanes L. The same bits as
-// begin_turning() and turn() of solver_body.cpp give, which take what is left here.
+// K of bodies at the start of a tick, and their poses and velocities at its end, written once over the lanes L. This
+// gives the same bits as begin_turning() and turn() of solver_body.cpp, which handle the bodies that it skips.
 //
-// Included as kernel.h, by which this is used.
+// kernel.h includes this; the rules for its inclusion are there.
 #pragma once
 
 #include "math/elementary.h"
@@ -18,7 +18,8 @@ template <class L> class TurnedBodies {
     static constexpr unsigned N = L::lanes;
     static constexpr int real_bits = 32, speed_bits = 19, gap_bits = 27, mantissa_bits = 30,
                          small_turn_bits = real_bits - detail::SmallTurn::least_bits;
-    static constexpr int entry_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}}; // of xx, yy, zz, xy, xz, yz
+    // index of each entry in xx, yy, zz, xy, xz, yz
+    static constexpr int entry_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
     using V = typename L::V;
     using Rows = const std::uint32_t*;
     using Numbers = std::int64_t[N];
@@ -35,7 +36,7 @@ template <class L> class TurnedBodies {
     }
     static V load(const Numbers& numbers) { return L::from_lanes(numbers); }
 
-    /// a b, where both are rotations.
+    /// a b of two rotations.
     static void multiply(const V (&a)[4], const V (&b)[4], V (&out)[4]) {
         const auto rounded = [](V sum) { return L::template shift_right<30>(L::add(sum, half_of(30))); };
         const auto p = [&](int i, int j) { return L::mul(a[i], b[j]); };
@@ -44,7 +45,7 @@ template <class L> class TurnedBodies {
         out[2] = rounded(L::add(L::sub(L::add(p(3, 2), p(0, 1)), p(1, 0)), p(2, 3)));
         out[3] = rounded(L::sub(L::sub(L::sub(p(3, 3), p(0, 0)), p(1, 1)), p(2, 2)));
     }
-    /// R diag(d) R^T; form is d, 31 bits, and the bits to drop. rotated_diagonal()
+    /// R diag(d) R^T, with the bits of rotated_diagonal(). `form`: d with 31 bits, and the number of bits to drop.
     static void rotated_diagonal(const V (&r)[3][3], const V (&form)[4], V (&out)[6]) {
         V a[3][3];
         for (int k = 0; k < 3; ++k)
@@ -63,7 +64,7 @@ template <class L> class TurnedBodies {
         for (int i = 1; i < 6; ++i) any = L::either(any, magnitude(entries[i]));
         return any;
     }
-    /// m x of whole numbers, rounded by Drop bits.
+    /// m x of integers, rounded by Drop bits.
     template <int Drop> static void multiply(const V (&m)[6], const V (&x)[3], V (&out)[3]) {
         for (int i = 0; i < 3; ++i) {
             const V sum = L::add(L::add(L::mul64(m[entry_at[i][0]], x[0]), L::mul64(m[entry_at[i][1]], x[1])),
@@ -71,7 +72,7 @@ template <class L> class TurnedBodies {
             out[i] = L::template shift_right_signed<Drop>(L::add(sum, half_of(Drop)));
         }
     }
-    /// True in the lanes where three products of x with what is below 2^bits may leave 64 bits.
+    /// True in the lanes where three products of x with numbers below 2^bits may exceed 64 bits. `room`: room_of(bits).
     static V is_long(const V (&x)[3], const Numbers& room) {
         V any = magnitude(x[0]);
         for (int i = 1; i < 3; ++i) any = L::either(any, magnitude(x[i]));
@@ -84,14 +85,15 @@ template <class L> class TurnedBodies {
         for (unsigned lane = 0; lane < N; ++lane) from[lane] = &(steps[lane]->*matrix);
         L::gather6(from, out);
     }
-    /// Adds the rows of the lanes in `mask` to what is left, of the first `used`.
+    /// Adds the rows of the lanes in `mask` to `left`, among the first `used` lanes.
     static std::uint32_t leave(unsigned mask, Rows rows, unsigned used, std::uint32_t* left) {
         std::uint32_t count = 0;
         for (unsigned lane = 0; lane < used; ++lane)
             if ((mask >> lane) & 1u) left[count++] = rows[lane];
         return count;
     }
-    /// Calls pack(rows of N lanes, lanes used) for all rows; the last pack is filled up with its own last row.
+    /// Calls pack(rows of N lanes) for all rows; it returns the mask of skipped lanes. The last pack repeats its own
+    /// last row in unused lanes.
     template <class Pack>
     static std::uint32_t for_each_pack(Rows rows, std::uint32_t count, std::uint32_t* left, Pack&& pack) {
         std::uint32_t left_over = 0;
@@ -104,11 +106,11 @@ template <class L> class TurnedBodies {
         return left_over;
     }
 
-    /// What is known of a pack of bodies when it begins, written body by body.
+    /// The data of a pack of bodies at the start of a tick, before it is written body by body.
     struct Start {
         Numbers k[6], inverse[6], mantissa[6], k_bits, inverse_bits, u[3];
     };
-    /// K and K^-1; true in the lanes that are left.
+    /// K and K^-1. Returns true in the lanes that are skipped.
     static V find_gyration(const StartPass& pass, const std::uint32_t (&rows)[N], Start& s) {
         const std::int32_t *rotations[N], *principals[N], *radii[N], *inverses[N];
         for (unsigned i = 0; i < N; ++i) {
@@ -118,7 +120,7 @@ template <class L> class TurnedBodies {
         }
         V q[4], principal[4], turned[4], r[3][3], form[4], entries[6];
         L::quads(rotations, q), L::quads(principals, principal);
-        V left = rotation_of<L>(q, r); // its product may have no room
+        V left = rotation_of<L>(q, r); // the product of its entries may have no room
         multiply(q, principal, turned);
         left = L::either(left, rotation_of<L>(turned, r));
         L::quads(radii, form), rotated_diagonal(r, form, entries);
@@ -140,10 +142,11 @@ template <class L> class TurnedBodies {
                        L::shift_right_by(L::add(L::shift_left_by(entries[i], raise), half), by));
         return L::either(left, L::greater64(load(s.inverse_bits), L::splat(62)));
     }
-    /// u = K w; true in the lanes where it is long.
+    /// u = K w. Returns true in the lanes where u may exceed its limit or its format.
     static V find_u(const StartPass& pass, const std::uint32_t (&rows)[N], Start& s) {
         Numbers room;
-        const std::int32_t* velocities[N]; // from the last number of `linear` on: four that are there
+        // from the last component of `linear` on, so that four numbers exist
+        const std::int32_t* velocities[N];
         for (unsigned i = 0; i < N; ++i)
             velocities[i] = &pass.velocities[rows[i]].linear.z.raw, room[i] = room_of(s.k_bits[i]);
         V k[6], last[4], w[3], u[3];
@@ -186,7 +189,8 @@ template <class L> class TurnedBodies {
     }
 
   private:
-    /// exp(v / 2) q of small turns v, real_bits, each lane as turned_slightly() in math/rotation.cpp. True in the lanes of other q.
+    /// exp(v / 2) q for small turns v, real_bits; each lane like turned_slightly() in math/rotation.cpp. Returns true
+    /// in the lanes where q is too far from length one.
     static V turn(const V (&q)[4], const V (&v)[3], V (&out)[4]) {
         const auto square = [](V x) { return L::mul(x, x); };
         V h[3];
@@ -231,7 +235,7 @@ template <class L> class TurnedBodies {
         return L::template shift_right_signed<row_bits>(L::add(x, half_of(row_bits)));
     }
 
-    /// x * time, rounded to the fraction bits of x: |x| < 2^47.
+    /// x * time, rounded to the fraction bits of x; |x| < 2^47.
     static V in_a_tick(V x, V time) {
         const V low = L::mul(L::both(x, L::splat(0xffff)), time),
                 high = L::mul(L::template shift_right<16>(x), time);
@@ -244,10 +248,10 @@ template <class L> class TurnedBodies {
     }
     static V half_turn(V x) { return L::template shift_right_signed<1>(L::add(x, L::splat(1))); }
 
-    /// What a pack of bodies keeps through a turn without torque; as Momentum of momentum.h.
+    /// The angular momentum of a pack of bodies, which a turn without torque keeps; like Momentum of momentum.h.
     struct Momentum {
         V parts[3], mantissa[3], shift[3], principal[4];
-        V left; ///< true in the lanes for which this has no room
+        V left; ///< true in the lanes where a number has no room
     };
     static Momentum momentum_of(const EndPass& pass, const std::uint32_t (&rows)[N], const V (&u)[3]) {
         const BodyStep* steps[N];
@@ -290,7 +294,7 @@ template <class L> class TurnedBodies {
         }
         return m;
     }
-    /// Angular velocity with the bodies at q, real_bits. What has no room is added to m.left.
+    /// Angular velocity of the bodies at rotations q, real_bits. Adds lanes without room to m.left.
     static void spin_at(Momentum& m, const V (&q)[4], V (&spin)[3]) {
         V turned[4], r[3][3], inside[3];
         multiply(q, m.principal, turned);
@@ -319,7 +323,8 @@ template <class L> class TurnedBodies {
             left = L::either(left, not_within(v[i], std::int64_t{1} << small_turn_bits));
         return left;
     }
-    /// The turns by `rotation` of bodies whose angular velocity w turns too, and w after it. True in the lanes that are left.
+    /// The turns by `rotation` of bodies whose angular velocity w changes with the turn, and w after it. Returns true
+    /// in the lanes that are skipped.
     static V turn_with_spin(const EndPass& pass, const std::uint32_t (&rows)[N], const V (&q)[4],
                             const V (&u)[3], const V (&rotation)[3], V (&w)[3], V (&next)[4]) {
         const V time = L::splat(pass.tick_time);
@@ -339,7 +344,7 @@ template <class L> class TurnedBodies {
         return L::either(left, m.left);
     }
 
-    /// Where a pack of bodies is when it ends, written body by body.
+    /// The state of a pack of bodies at the end of a tick, before it is written body by body.
     struct End {
         Numbers position[3], rotation[4], linear[3], angular[3];
     };

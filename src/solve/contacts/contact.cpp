@@ -6,8 +6,8 @@
 
 namespace lockstone::solve {
 
-/// The frame (pole, from) turned along the shortest arc from the pole to the normal: from - (pole + n) (n . from) / (1 +
-/// n . pole). It jumps nowhere but opposite the pole, which is a direction that scenes have no use for.
+/// The frame (pole, from) turned along the shortest arc from the pole to the normal: from - (pole + n) (n . from) / (1
+/// + n . pole). It is continuous except opposite the pole, a direction that scenes do not use.
 Tangents tangents_of(UnitVec3 normal) {
     constexpr std::int64_t one = std::int64_t{1} << 30;
     constexpr const std::int32_t(&pole)[3] = tangent_pole, (&from)[3] = tangent_from;

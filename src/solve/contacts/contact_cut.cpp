@@ -18,7 +18,7 @@ void ContactCut::make_one(const ContactOrder& order) { share_of.assign(order.dow
 
 void ContactCut::cut_by_place(const ContactOrder& order, std::span<const Transform> poses,
                               std::uint32_t shares) {
-    const auto place_of = [&](std::uint32_t contact) { // contacts that move nothing are nowhere
+    const auto place_of = [&](std::uint32_t contact) { // a contact that moves no body counts as at the origin
         const std::uint32_t body = order.moved_body(contact);
         return body < poses.size() ? poses[body].position : Vec3{};
     };
@@ -47,7 +47,7 @@ bool ContactCut::cut_by_island(const ContactOrder& order, std::uint32_t shares) 
     std::uint32_t most = 0;
     for (std::uint32_t i = 0; i < count; ++i) most = std::max(most, ++contacts[island_of(i)]);
     if (std::uint64_t{most} * shares * 4 > std::uint64_t{count}) return false;
-    // An island is in the share that is being filled when its first contact comes.
+    // An island joins the share that is being filled when its first contact comes.
     share_of.resize(count);
     std::uint32_t placed = 0, full = count / shares + 1, share = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -67,7 +67,7 @@ void ContactCut::cut_by_order(const ContactOrder& order, std::uint32_t shares) {
     const std::span<const std::uint32_t> down = order.down_from_the_top();
     const auto cost_of = [&](std::uint32_t i) -> std::uint64_t {
         static_assert(ContactOrder::carried == 1 && ContactOrder::several == 2);
-        constexpr std::uint8_t costs[] = {3, 4, 4, 7}; // nanoseconds, or so, of a pass by lanes of 64 bytes
+        constexpr std::uint8_t costs[] = {3, 4, 4, 7}; // about the nanoseconds of a pass in lanes of 64 bytes
         return costs[order.kind(i) & (ContactOrder::carried | ContactOrder::several)];
     };
     std::uint64_t all = 0, so_far = 0;

@@ -7,11 +7,11 @@ namespace lockstone::solve {
 
 namespace {
 
-/// How far a point may be from a remembered one of another feature and still be the same contact [m].
+/// A new point matches a remembered point of another feature up to this distance [m].
 constexpr std::int64_t same_point_distance = decimal<Length>("0.02").raw;
 
-/// 44 fraction bits. Differences reach 256 m, whose square is beyond 64 bits; a difference of more than 64 m along an axis
-/// counts as 64 m: points so far apart are never the same.
+/// 44 fraction bits. Differences reach 256 m, and the square of that exceeds 64 bits. A difference of more than 64 m
+/// along an axis counts as 64 m; points so far apart never match.
 constexpr std::int64_t far = std::int64_t{64} << Length::fraction_bits;
 
 std::int64_t distance_squared(LengthVec3 a, LengthVec3 b) {
@@ -25,7 +25,7 @@ std::int64_t distance_squared(LengthVec3 a, LengthVec3 b) {
 
 constexpr Unit same_direction = decimal<Unit>("0.94"); ///< cosine of 20 degrees
 
-/// Bit per point of the old manifolds whose impulses serve a new one, four for each manifold.
+/// The points of the old manifolds whose normal is close enough to `normal`: a bit for each, four bits a manifold.
 std::uint32_t find_serving(std::span<const ContactMemory> old, UnitVec3 normal) {
     std::uint32_t points = 0;
     for (std::uint32_t m = 0; m < old.size(); ++m)
@@ -34,7 +34,7 @@ std::uint32_t find_serving(std::span<const ContactMemory> old, UnitVec3 normal) 
     return points;
 }
 
-/// Friction acts on a manifold as a whole: it goes to the first that takes a point of it.
+/// Friction acts on a manifold as a whole: the first new manifold that takes one of its points takes its friction.
 void take_friction(std::span<const ContactMemory> old, std::uint32_t bit, Taken& taken,
                    ContactMemory& fresh) {
     const std::uint32_t m = static_cast<std::uint32_t>(std::countr_zero(bit)) / 4;
@@ -95,7 +95,7 @@ Length recycling_limit(std::span<const ContactMemory> rows, Coordinate reach, Le
     };
     for (const ContactMemory& row : rows)
         if (!(row.flags & contact_on_face)) return within_reach(recycling.raw);
-    // Not less than what edges allow.
+    // At least the limit of edges.
     return within_reach(
         std::max<std::int64_t>(recycling.raw, std::min<std::int64_t>(recycling_on_face.raw, by_thinnest)));
 }

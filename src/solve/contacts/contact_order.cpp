@@ -10,7 +10,7 @@ namespace lockstone::solve {
 
 namespace {
 
-/// Points farther apart carry nothing soon [m].
+/// Points farther apart than this carry no load soon [m].
 constexpr std::int32_t touching = decimal<Separation>("0.0005").raw;
 
 std::uint32_t kind_of(const Contact& contact) {
@@ -26,7 +26,7 @@ std::uint32_t kind_of(const Contact& contact) {
            bit(contact.rolling > Unit{}, ContactOrder::rolls);
 }
 
-/// counts[k] items of key k become where the items of key k begin.
+/// Replaces counts[k], the number of items with key k, by the index at which the items with key k begin.
 void sum_up(std::span<std::uint32_t> counts) {
     std::uint32_t sum = 0;
     for (std::uint32_t& count : counts) {
@@ -40,7 +40,7 @@ void sum_up(std::span<std::uint32_t> counts) {
 
 ContactHead head_of(const Contact& contact) { return {contact.body_a, contact.body_b, kind_of(contact)}; }
 
-/// For the most that these contacts could need, so that a tick in which more of them touch does not allocate.
+/// Reserves for the largest need of this many contacts, so that a tick in which more of them touch does not allocate.
 void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
     for (auto* list : {&levels, &first, &queue}) list->reserve(bodies + 2);
     for (auto* list : {&down, &down_before, &place}) list->reserve(contacts + 2);
@@ -50,7 +50,8 @@ void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
     counts.reserve(2 * bodies + 4);
 }
 
-/// Counts the neighbours of bodies, too. Whether bodies touch and can move as they did.
+/// Reads links and kinds, and counts the neighbours of bodies. Returns true if the bodies touch and can move as in the
+/// last tick.
 bool ContactOrder::read(std::span<const ContactHead> contacts, const SolverBodies& bodies) {
     std::swap(now, before);
     const std::size_t count = bodies.body.size();
@@ -80,12 +81,12 @@ bool ContactOrder::read(std::span<const ContactHead> contacts, const SolverBodie
     return is_same;
 }
 
-/// Breadth first over the contacts that touch, from what nothing moves.
+/// Breadth-first search over the contacts that touch, from the bodies that impulses do not move.
 void ContactOrder::find_levels() {
     const std::size_t count = now.movable.size();
     sum_up(first);
     neighbours.resize(first[count]);
-    queue.assign(first.begin(), first.end() - 1); // where the next neighbour of each body goes
+    queue.assign(first.begin(), first.end() - 1); // the index where the next neighbour of each body goes
     for (std::size_t i = 0; i < now.links.size(); ++i) {
         if ((now.kinds[i] & touches) == 0) continue;
         const Link& link = now.links[i];
@@ -100,7 +101,7 @@ void ContactOrder::find_levels() {
             queue.push_back(b);
         }
     level_max = 0;
-    for (std::size_t i = 0; i < queue.size(); ++i) { // each body enters once: no more than were reserved
+    for (std::size_t i = 0; i < queue.size(); ++i) { // each body enters once, so the reserved size is enough
         const std::uint32_t b = queue[i];
         level_max = levels[b];
         for (std::uint32_t n = first[b]; n < first[b + 1]; ++n) {
@@ -111,7 +112,7 @@ void ContactOrder::find_levels() {
     }
 }
 
-/// Sorts contacts by the sum of their bodies' levels, the highest first; contacts of bodies that nothing holds come before those.
+/// Sorts contacts by the sum of their bodies' levels, the highest first; contacts of bodies without a level come first.
 void ContactOrder::sort_down() {
     const std::uint32_t above = level_max + 1;
     const auto key = [&](const Link& link) {

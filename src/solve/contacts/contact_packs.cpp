@@ -13,20 +13,21 @@ namespace lockstone::solve {
 
 namespace {
 
-/// A strand is worth a worker from so many packs on.
+/// The smallest number of packs for which a strand is worth a worker.
 constexpr std::size_t strand_packs_least = 16;
-/// Packs of the last order serve while fewer than one contact in so many is of another sort than it was.
+/// Packs of the last order stay valid while at most one contact in this many has another sort than when they were made.
 constexpr std::size_t other_sort_share = 16;
 
-/// What packs are made of: contacts of several points before single ones, of either those that carried something in the last tick before
-/// those that did not.
+/// The sort of a contact, in the order in which packs are filled: several points before one point, and in each group
+/// contacts that carried an impulse in the last tick before those that did not.
 std::uint32_t sort_of(const ContactOrder& order, std::uint32_t contact) {
     return ~order.kind(contact) & (ContactOrder::carried | ContactOrder::several);
 }
 
-/// What a processor keeps for itself of a strand's packs from pass to pass.
+/// The bytes of a strand's packs that stay in a processor's own cache from pass to pass.
 constexpr std::size_t strand_bytes = std::size_t{1} << 19;
-/// Packs of a strand between which bodies are looked after where passes are one run: soon, while they are in the nearest cache.
+/// The packs of a strand after which steps between passes are done, where passes are one run: soon, while the bodies
+/// are in the nearest cache.
 constexpr std::uint32_t packs_between(std::uint32_t packs) { return std::clamp(packs / 8, 4u, 32u); }
 
 } // namespace
@@ -38,7 +39,7 @@ void ContactPacks::reserve(std::size_t contacts, std::size_t body_count) {
     last.reserve(body_count + 2), bodies.reserve(body_count + 1);
 }
 
-/// `longest`: so many contacts follow one another.
+/// `longest`: the length of the longest chain of contacts that follow each other.
 void ContactPacks::share_out(const ContactOrder& order, const Wanted& wanted, std::uint32_t longest,
                              std::span<const Transform> poses) {
     const std::size_t packs = nodes.size() / wanted.lanes;
@@ -47,7 +48,7 @@ void ContactPacks::share_out(const ContactOrder& order, const Wanted& wanted, st
     strand_count = static_cast<std::uint32_t>(workers);
     runs_all = by_island = false;
     if (wanted.may_run_all) {
-        // Of a large world of islands strands are as small as that they stay in a cache for all passes.
+        // In a large world of islands, strands are so small that they stay in a cache for all passes.
         const std::size_t fit = packs * wanted.pack_bytes / strand_bytes,
                           most = std::min<std::size_t>(fit, base::strands_max) / workers * workers;
         if (most > 2 * workers && cut.cut_by_island(order, static_cast<std::uint32_t>(most))) {
@@ -55,20 +56,22 @@ void ContactPacks::share_out(const ContactOrder& order, const Wanted& wanted, st
             runs_all = by_island = true;
             return;
         }
-        // In a deep pile parts of a pass have little to do at once, but passes have. In a flat one each body would move from worker to worker.
+        // In a deep pile, parts of a pass have little to do at once, but several passes have. In a flat pile this would
+        // move each body from worker to worker.
         if (workers > 1 && 4 * std::size_t{longest} > packs) {
             runs_all = true;
             return cut.cut_by_order(order, strand_count);
         }
     }
-    // Borders make the row of those that follow one another a third longer, and strands are worth their while when they save a quarter.
+    // Borders between shares make the longest chain a third longer, and strands are worth their cost when they save a
+    // quarter.
     if (workers > 1 && 16 * std::size_t{longest} <= 9 * packs)
         return cut.cut_by_place(order, poses, strand_count);
     strand_count = 1;
     cut.make_one(order);
 }
 
-// ---- what follows what ---
+// ---- predecessors and successors ---
 
 void ContactPacks::add(Queue& queue, std::uint32_t contact) {
     (queue.count != 0 ? nodes[queue.back].next : queue.front) = contact;
@@ -83,14 +86,15 @@ std::uint32_t ContactPacks::take_front(Queue& queue) {
     return contact;
 }
 
-/// What each contact waits for. Returns how many contacts follow one another at most.
+/// Finds the direct predecessors and successors of each contact. Returns the length of the longest chain of contacts
+/// that follow each other.
 std::uint32_t ContactPacks::find_nodes(const ContactOrder& order) {
     last.assign(order.body_count(), 0);
     std::uint32_t longest = 0;
     for (const std::uint32_t i : order.down_from_the_top()) {
         const ContactOrder::Link link = order.link(i);
         Node& node = nodes[i];
-        std::uint32_t earlier = 0; // contacts before it, one after the other
+        std::uint32_t earlier = 0; // length of the longest chain that ends before it
         const auto follow = [&](std::uint32_t body, std::uint32_t& before) -> unsigned {
             const std::uint32_t latest = last[body];
             last[body] = order.moves(body) ? i + 1 : 0;
@@ -110,7 +114,7 @@ std::uint32_t ContactPacks::find_nodes(const ContactOrder& order) {
     return longest;
 }
 
-/// One contact less stands before this one, as a pack of `strand` has it in this round.
+/// Notes that a pack of `strand` took a predecessor of this contact in this round.
 void ContactPacks::let_follow(std::uint32_t contact, std::uint32_t strand, std::uint32_t round) {
     if (contact == no_contact) return;
     Node& node = nodes[contact];
@@ -124,7 +128,8 @@ void ContactPacks::let_follow(std::uint32_t contact, std::uint32_t strand, std::
         add(is_own && node.round == round + 1 ? to.ready[node.sort] : to.late, contact);
 }
 
-/// A pack has a contact that follows `before`, which may be in another strand.
+/// Notes that a pack has a contact that follows `before`. If `before` is in another strand, the pack waits for its
+/// pack.
 void ContactPacks::wait_for(std::uint32_t before, std::uint32_t strand, std::uint32_t pack) {
     if (before == no_contact) return;
     const Node& node = nodes[before];
@@ -134,8 +139,9 @@ void ContactPacks::wait_for(std::uint32_t before, std::uint32_t strand, std::uin
     waits.push_back({strand, pack, node.strand, seen, false});
 }
 
-/// The next pack of a strand, if any contact of it is ready. Of the first sort that fills it, or the first that there is; then of any sort that
-/// costs such a pack no more by what its contacts lack.
+/// Makes the next pack of a strand. Returns false if none of its contacts is ready. It takes contacts of the first sort
+/// that fills the pack, or else of the first sort that has any. Then it adds contacts of sorts with no property (several
+/// points, an impulse) that the first sort lacks: these do not raise the cost of the pack.
 bool ContactPacks::fill_pack(Strand& own, std::uint32_t lanes, std::uint32_t round) {
     while (own.late.count != 0 && nodes[own.late.front].round <= round) {
         const std::uint32_t contact = take_front(own.late);
@@ -177,7 +183,7 @@ bool ContactPacks::fill_pack(Strand& own, std::uint32_t lanes, std::uint32_t rou
 
 // ---- pieces ---
 
-/// Who in a pass is the first to move a body that another strand has looked after since the pass before.
+/// Finds the contacts that in a pass are the first to move a body whose steps between passes another strand does.
 void ContactPacks::find_waits_between_passes(const ContactOrder& order, std::uint32_t lanes) {
     for (std::uint32_t k = 0; k < strand_count; ++k) {
         std::uint32_t seen[base::strands_max] = {};
@@ -230,7 +236,7 @@ void ContactPacks::cut_pieces() {
     add_waits();
 }
 
-/// Waits of the plan, piece by piece.
+/// Adds the waits to the plan, piece by piece.
 void ContactPacks::add_waits() {
     const auto key = [](const Wait& w) {
         return std::tuple(w.strand, w.pack, w.is_between, w.other, w.packs);
@@ -246,8 +252,8 @@ void ContactPacks::add_waits() {
     }
 }
 
-/// A body is looked after in the strand of its last contact. Those without contacts are at the end of all strands. What impulses do not move is read by
-/// all strands, so it is in none.
+/// The strand of a body's last contact does its steps between passes. A body without contacts is in the last piece of a
+/// strand. A body that impulses do not move is in no list, since all strands read it.
 void ContactPacks::list_bodies(const ContactOrder& order) {
     const std::uint32_t count = static_cast<std::uint32_t>(last.size()) - 1;
     const auto entry_of = [&](std::uint32_t body) -> std::uint32_t& {
@@ -270,7 +276,7 @@ void ContactPacks::list_bodies(const ContactOrder& order) {
         for (std::uint32_t& first : strands[k].first_body) sum += std::exchange(first, sum);
     bodies.resize(sum);
     for_moved([&](std::uint32_t body) { bodies[entry_of(body)++] = body; });
-    // Each is now where the next one begins.
+    // Each entry is now where the next one begins.
     sum = 0;
     for (std::uint32_t k = 0; k < strand_count; ++k)
         for (std::uint32_t& first : strands[k].first_body) sum = std::exchange(first, sum);
@@ -278,7 +284,8 @@ void ContactPacks::list_bodies(const ContactOrder& order) {
 
 // ---- all ---
 
-/// Whether a contact that has `before` before it is the first in a pass to move a body that another strand looks after.
+/// `before`: the predecessor of a contact at `body`, or no_contact. True if this contact is the first in a pass to move
+/// the body, and another strand than `strand` does the body's steps between passes.
 bool ContactPacks::waits_between(std::uint32_t body, std::uint32_t before, std::uint32_t strand) const {
     return before == no_contact && last[body] != 0 && nodes[last[body] - 1].strand != strand;
 }
@@ -315,7 +322,8 @@ void ContactPacks::pack_all(const ContactOrder& order, std::uint32_t lanes) {
     }
 }
 
-/// They do where the order is the same, though a few contacts may not be of the sort any more that their pack is made for.
+/// True if the packs are still valid: the order is the same. A few contacts may have another sort than their pack was
+/// made for.
 bool ContactPacks::serve(const ContactOrder& order, const Wanted& wanted) const {
     if (made_of != order.version() || made != wanted) return false;
     std::size_t others = 0;
@@ -340,8 +348,8 @@ void ContactPacks::make(const ContactOrder& order, const Wanted& wanted, std::sp
     made_of = order.version(), made = wanted;
     nodes.resize(order.down_from_the_top().size());
     const std::uint32_t longest = find_nodes(order);
-    // What another strand lets follow is packed a round later than it could be, so that nobody waits for a pack that is only just begun. Where most
-    // follow one another there is no time for that.
+    // A contact that follows a contact of another strand is packed a round later than it could be, so that no strand
+    // waits for a pack that has only begun. Where most contacts follow each other there are too few packs for that.
     grace = std::size_t{longest} * wanted.lanes < nodes.size() / 4 ? 1 : 0;
     share_out(order, wanted, longest, poses);
     note_strands();

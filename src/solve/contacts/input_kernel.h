@@ -1,5 +1,5 @@
-// Contacts and the inertia of their bodies side by side, read in rows of four numbers. Written once over the lanes L; for who may include it
-// see kernel.h. See pack.h for the formats.
+// Reads contacts and the inertia of their bodies side by side, in rows of four numbers. Written once over the lanes L;
+// see kernel.h for the files that may include it, and pack.h for the formats.
 #pragma once
 
 #include "solve/contacts/pack.h"
@@ -21,27 +21,27 @@ template <class L> struct ContactInput {
     using Gap = LaneFixed<L, gap_bits>;
     using Length = LaneFixed<L, length_bits>;
 
-    /// How the bodies of one side turn, and may move.
+    /// The inertia and the locks of the bodies of one side.
     struct Side {
         typename L::Low inverse[6]; ///< mantissas of K^-1: xx, yy, zz, xy, xz, yz
-        V shift;                    ///< 1..62, from their products to rows
+        V shift;                    ///< 1..62: from the products of mantissas to rows
         typename L::Low turns[3];   ///< all ones for axes about which the body may turn
-        V keep[3];                  ///< all ones for axes along which it may move
+        V keep[3];                  ///< all ones for axes along which the body may move
     };
 
-    Count count;            ///< points
-    std::int32_t counts[N]; ///< the same
+    Count count;            ///< number of points
+    std::int32_t counts[N]; ///< `count` in memory
     Unit d[3][3];           ///< the normal; room for the tangents
     Speed surface_velocity[3];
     Length lever_a[4][3], lever_b[4][3]; ///< zero where the point is missing
-    Gap separation[4];                   ///< as far as can be where it is missing
-    Speed impulse[4], slide[2];          ///< that were remembered
+    Gap separation[4];                   ///< the largest value where the point is missing
+    Speed impulse[4], slide[2];          ///< of the last tick
     Length twist;
     Mask arms_of_b;
     LaneSum<L, unit_bits> ease;
     Side a, b;
 
-    /// `points`: most of any of the contacts.
+    /// `points`: the largest number of points of any of the contacts.
     static void read(const PackSource& from, int points, ContactInput& in) {
         V x[4];
         read_row(from.contacts, 0, x);
@@ -98,7 +98,7 @@ template <class L> struct ContactInput {
             }
         for (int i = 0; i < 3; ++i) side.turns[i] = load_low<L>(turns[i]), side.keep[i] = L::load64(keep[i]);
     }
-    // The rows that are read, as the structures have them.
+    // read_row() relies on these positions of members.
     static_assert(offsetof(BodyInertia, inv_exponent) == 6 * sizeof(std::int32_t));
     static_assert(offsetof(Contact, count) == 3 * sizeof(std::int32_t));
     static_assert(offsetof(Contact, normal) == 4 * sizeof(std::int32_t));

@@ -1,7 +1,7 @@
-// Where the points of contacts lie, and the linear fit over them. Written once over the lanes L; for who may include it see
-// kernel.h. See contact_solver.h for the symbols, pack.h for the formats.
+// Computes the positions of the points of contacts, and the linear fit over them. Written once over the lanes L; see
+// kernel.h for the files that may include it, contact_solver.h for the symbols, and pack.h for the formats.
 //
-// What reaches beyond 32 bits is LaneSum. Divisions and roots are taken lane by lane.
+// Values of more than 32 bits are LaneSum. Divisions and roots are computed lane by lane.
 #pragma once
 
 #include "math/roots.h"
@@ -32,7 +32,7 @@ template <class L> class LayoutKernel {
     using Lanes64 = std::int64_t[N];
 
     static constexpr std::int32_t unit = 1 << unit_bits;
-    static constexpr std::int64_t entry_limit = std::int64_t{1} << 30; ///< of an entry of H
+    static constexpr std::int64_t entry_limit = std::int64_t{1} << 30; ///< limit of an entry of H
 
     static bool has(unsigned lanes, unsigned lane) { return ((lanes >> lane) & 1u) != 0; }
     static Unit by_count(const std::int32_t (&table)[5], const std::int32_t (&count)[N]) {
@@ -45,18 +45,19 @@ template <class L> class LayoutKernel {
     /// The points of a contact in its plane. Members are the points within 1 mm of the nearest, and those that carry.
     struct Layout {
         Mask exists[4], member[4], several; ///< several: more than one point
-        std::int32_t members[N];            ///< how many
+        std::int32_t members[N];            ///< number of members
         Length centre_a[3], centre_b[3];    ///< levers of the members' centre
-        /// From the centre to the farthest point, in the plane; and that turned by a right angle
+        /// [0]: from the centre to the farthest point, in the plane; [1]: [0] turned by a right angle
         Length along[2][3];
-        Length size;              ///< |along|
-        Sum<unit_bits> arm[2][4]; ///< in units of `along`, within 1; of contacts of one point nothing
+        Length size; ///< |along|
+        /// in units of `along`, within 1; unset where no contact of the pack has several points
+        Sum<unit_bits> arm[2][4];
     };
-    /// H H^T: of the level; of the tilts by rows of the lower triangle.
+    /// H H^T: the entry of the level, then the entries of the tilts by rows of the lower triangle.
     struct Gram {
         Sum<gram_bits> of[4];
-        Mask plane; ///< members lie about their centre, not on a line
-        Mask tilts; ///< some member is away from the middle of them all
+        Mask plane; ///< the members lie neither at one spot nor on a line
+        Mask tilts; ///< the fit has a first tilt: some member is away from the centre
     };
 
     static void lay_out(const Input& in, int points, Layout& l) {
@@ -66,7 +67,7 @@ template <class L> class LayoutKernel {
         l.size = Length::splat(0);
         if (points > 1) find_arms(in, points, l);
     }
-    /// H, into the pack.
+    /// Writes H into the pack.
     static void fit_members(Pack& pack, int points, const Layout& l, Gram& g) {
         constexpr std::int32_t one = 1 << fit_bits, shares[5] = {one, one, one / 2, one / 3, one / 4};
         const Fit level{by_count(shares, l.members).raw};
@@ -76,7 +77,7 @@ template <class L> class LayoutKernel {
         g.plane = g.tilts = Mask::none();
         if (points < 2) return;
 
-        Sum<moment_bits> aa = Sum<moment_bits>::splat(0), ab = aa, bb = aa; // 4 at most
+        Sum<moment_bits> aa = Sum<moment_bits>::splat(0), ab = aa, bb = aa; // sums of at most 4
         for (int k = 0; k < points; ++k) {
             const auto a = low(floor_to<unit_bits - 1>(l.arm[0][k] & l.member[k])),
                        b = low(floor_to<unit_bits - 1>(l.arm[1][k] & l.member[k]));
@@ -84,7 +85,8 @@ template <class L> class LayoutKernel {
             ab = ab + floor_to<moment_bits>(a * b);
             bb = bb + floor_to<moment_bits>(b * b);
         }
-        // Members within a sixteenth of the arm count as one spot, those within a sixteenth of a line as on that line.
+        // Members within a sixteenth of the arm count as one spot, members within a sixteenth of a line as on that
+        // line.
         constexpr std::int64_t least = (std::int64_t{1} << moment_bits) / 128;
         const Mask counted =
             (Count::load(l.members) > Count::splat(1)) & (aa > Sum<moment_bits>::splat(least - 1));
@@ -106,7 +108,7 @@ template <class L> class LayoutKernel {
     }
 
   private:
-    // ---- where the points lie ---
+    // ---- positions of the points ---
 
     static void find_members(const Input& in, int points, Layout& l) {
         const Count count = in.count;
@@ -130,7 +132,7 @@ template <class L> class LayoutKernel {
         const Unit by = by_count(inverse, l.members);
         const Mask many = Count::load(l.members) > Count::splat(1);
         for (int i = 0; i < 3; ++i) {
-            Sum<length_bits> sum = Sum<length_bits>::splat(0); // below 2^33: a quarter of it fits
+            Sum<length_bits> sum = Sum<length_bits>::splat(0); // below 2^33, so a quarter of it fits
             for (int k = 0; k < points; ++k) sum = sum + (wide(lever[k][i]) & l.member[k]);
             const auto quarter = low(floor_to<length_bits - 2>(sum));
             const auto mean = floor_to<length_bits>(quarter * by);
@@ -138,11 +140,12 @@ template <class L> class LayoutKernel {
         }
     }
 
-    /// Coordinates of the points along the tangents, from the centre of the body that moves; zero for single points.
+    /// Coordinates of the points along the tangents, relative to the members' centre, with levers from a body that
+    /// moves; zero for single points.
     static void flatten(const Input& in, int points, const Layout& l, Sum<length_bits> (&x)[2][4]) {
         const Mask of_b = in.arms_of_b;
         for (int r = 0; r < 2; ++r) {
-            // The difference of two sums below 2^62, and itself below that.
+            // Both sums and their difference are below 2^62.
             Sum<length_bits + unit_bits> centre = Sum<length_bits + unit_bits>::splat(0);
             for (int i = 0; i < 3; ++i)
                 centre = centre + select(of_b, l.centre_b[i], l.centre_a[i]) * in.d[r + 1][i];
@@ -155,7 +158,7 @@ template <class L> class LayoutKernel {
         }
     }
 
-    /// How far coordinates are moved up so that the widest has 29 bits, plus 4: 0..33.
+    /// The shift that moves the widest coordinate to 29 bits, plus 4: 0..33.
     static void find_scale(const Sum<length_bits> (&x)[2][4], int points, Lanes64& up) {
         V bits = L::splat(0);
         for (int r = 0; r < 2; ++r)
@@ -172,8 +175,9 @@ template <class L> class LayoutKernel {
                 widest[lane] == 0 ? 4 : std::countl_zero(static_cast<std::uint64_t>(widest[lane])) - 31;
     }
 
-    /// (fx, fy): as long as the farthest point is away, towards the farthest member. Arms of members on a line so lie on the
-    /// first axis. `farthest` is the square of the length, in [1, 8) where there are several points.
+    /// (fx, fy): the length is the distance of the farthest point, the direction leads to the farthest member. So the
+    /// arms of members on a line lie on the first axis. `farthest`: the square of the length, in [1, 8) where there are
+    /// several points.
     static void find_axis(const Flat (&x)[4], const Flat (&y)[4], int points, const Layout& l,
                           Sum<2 * flat_bits>& farthest, Flat& fx, Flat& fy, bool& stretched) {
         Sum<2 * flat_bits> square[4], member = Sum<2 * flat_bits>::splat(0);
@@ -231,7 +235,7 @@ template <class L> class LayoutKernel {
             root[lane] = square[lane];
         }
         const auto per_square = LaneFixed<L, 31>::of(L::from_lanes(inverse));
-        const Mask is_one = LaneFixed<L, 31>::splat(0) > per_square; // 2^31, as 32 bits see it
+        const Mask is_one = LaneFixed<L, 31>::splat(0) > per_square; // 2^31 read as 32 bits
         for (int k = 0; k < points; ++k) {
             const auto arm = [&](Sum<2 * flat_bits> product) {
                 if (stretched) product = clamp(product, (std::int64_t{1} << 59) - (1 << 28));
@@ -242,7 +246,7 @@ template <class L> class LayoutKernel {
             l.arm[1][k] = arm(y[k] * fx - x[k] * fy);
         }
         detail::take_roots(root, N);
-        const auto back = [&](V v) { // beyond 128 m sizes are clamped
+        const auto back = [&](V v) { // sizes beyond 128 m are clamped
             return low(clamp(Sum<length_bits>{L::shift_right_by(L::mul(v, L::splat(16)), up)}, 0x7fffffff));
         };
         const Length along_x = back(fx.lanes()), along_y = back(fy.lanes());

@@ -1,7 +1,8 @@
-// Preparing a pack: from contacts side by side to rows, effective masses, inverses and the impulses to start from. Written once
-// over the lanes L; for who may include it see kernel.h. See contact_solver.h for the symbols, pack.h for the formats.
+// Prepares a pack: from contacts side by side to rows, effective masses, inverses and first impulses. Written once over
+// the lanes L; see kernel.h for the files that may include it, contact_solver.h for the symbols, and pack.h for the
+// formats.
 //
-// Quantities of one contact that reach beyond 32 bits are LaneSum. Divisions and roots are taken lane by lane.
+// Values of one contact with more than 32 bits are LaneSum. Divisions and roots are computed lane by lane.
 #pragma once
 
 #include "math/roots.h"
@@ -33,7 +34,7 @@ template <class L> class PrepareKernel {
 
     // ---- directions ----------------------------------------------------------------------------------------------
 
-    /// Per lane what tangents_of() is of the normal; the velocities of surfaces along them.
+    /// Computes tangents_of() the normal of each lane, and the velocities of surfaces along the tangents.
     static void find_tangents(Pack& c, Input& in) {
         constexpr std::int64_t one = std::int64_t{1} << unit_bits;
         Unit n[3], pole[3], from[3], first[3];
@@ -90,14 +91,14 @@ template <class L> class PrepareKernel {
 
     // ---- rows ----------------------------------------------------------------------------------------------------
 
-    /// K^-1 of the bodies of one side.
+    /// K^-1 of the bodies of one side, and the half that rounds its products.
     struct Turner {
         const Side& side;
         V half;
         explicit Turner(const Side& of)
             : side(of), half(L::shift_left_by(L::splat(1), L::sub(of.shift, L::splat(1)))) {}
     };
-    /// Component i of K^-1 r, where the body may turn. Mantissas are below 2^30, so sums stay below 2^63.
+    /// Component i of K^-1 r, about the axes that are not locked. Mantissas are below 2^30, so sums stay below 2^63.
     static V turned(const Turner& t, const Length (&r)[3], int i) {
         constexpr int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
         const auto part = [&](int k) {
@@ -112,7 +113,7 @@ template <class L> class PrepareKernel {
             L::store32(out[i], negative ? L::sub(L::splat(0), x) : x);
         }
     }
-    /// The largest component of K^-1 r, not limited; a lane that does not turn has 0.
+    /// The largest component of K^-1 r, without a limit; 0 for a body that does not turn.
     static void find_largest(const Turner& t, const Length (&r)[3], std::int64_t (&out)[N]) {
         for (int i = 0; i < 3; ++i) {
             std::int64_t entry[N];
@@ -123,7 +124,7 @@ template <class L> class PrepareKernel {
             }
         }
     }
-    /// x cross y; y is a direction.
+    /// x cross y; y is a unit vector.
     static void cross(const Length (&x)[3], const Unit (&y)[3], Length (&out)[3]) {
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -134,21 +135,21 @@ template <class L> class PrepareKernel {
         return Row::load(x[0]) * Row::load(y[0]) + Row::load(x[1]) * Row::load(y[1]) +
                Row::load(x[2]) * Row::load(y[2]);
     }
-    /// The same along the axes that are free.
+    /// This product without the locked axes.
     static Sum<2 * row_bits> product(const std::int32_t (&x)[3][N], const std::int32_t (&y)[3][N],
                                      const V (&keep)[3]) {
         Sum<2 * row_bits> sum = Sum<2 * row_bits>::splat(0);
         for (int i = 0; i < 3; ++i) sum = sum + (Row::load(x[i]) * Row::load(y[i]) & Mask::of(keep[i]));
         return sum;
     }
-    /// Rows times the pair's inverse mass times rows, below 52: how their speeds answer to their impulses. The first `Lines`
-    /// rows have linear parts, from `direction` on.
+    /// Rows times the pair's inverse mass times rows, below 52: the response of their speeds to their impulses. The
+    /// first `Lines` rows have linear parts, from `direction` on.
     template <int Lines>
     static void respond(const Pack& c, const Input& in, int direction, int rows,
                         const std::int32_t (&xa)[3][3][N], const std::int32_t (&xb)[3][3][N],
                         Response (&out)[6]) {
         const Unit alpha = Unit::load(c.share_a), beta = Unit::load(c.share_b);
-        const auto narrow = [](Sum<2 * row_bits> q) { // towards minus infinity
+        const auto narrow = [](Sum<2 * row_bits> q) { // rounds towards minus infinity
             return Response::of(L::template shift_right<2 * row_bits - response_bits>(q.raw));
         };
         int at = 0;
@@ -168,7 +169,7 @@ template <class L> class PrepareKernel {
                 out[at] = rounded<response_bits>(narrow(qa) * alpha + narrow(qb) * beta);
             }
     }
-    /// Level and tilts, tangents and twist.
+    /// The rows of a contact: level and tilts, tangents and twist.
     static void make_rows(Pack& c, const Input& in, const Layout& l) {
         const Turner a(in.a), b(in.b);
         const auto row = [&](const Length(&at_a)[3], const Length(&at_b)[3], std::int32_t(&xa)[3][N],
@@ -192,9 +193,9 @@ template <class L> class PrepareKernel {
         row(r, r, c.slide_a[2], c.slide_b[2]);
     }
 
-    // ---- what follows from the rows --------------------------------------------------------------------------------
+    // ---- quantities from the rows ----------------------------------------------------------------------------------
 
-    /// Effective masses of the points; returns the mean of their answers to their own impulses.
+    /// Computes the effective masses of the points. Returns the mean of the points' responses to their own impulses.
     static Sum<response_bits> fill_points(Pack& c, const Input& in, int points, const Layout& l,
                                           const Sum<response_bits> (&s)[6]) {
         Sum<response_bits> sum = Sum<response_bits>::splat(0);
@@ -206,7 +207,7 @@ template <class L> class PrepareKernel {
             if (points > 1) {
                 const Unit a = low(l.arm[0][k]), b = low(l.arm[1][k]);
                 a.store(point.arm[0]), b.store(point.arm[1]);
-                // arm^T S arm: S below 2^31, arms at most 2^30.
+                // The response arm^T S arm: S is below 2^31, arms at most 2^30.
                 const auto by_a = round_to<response_bits>(low(s[2]) * a) + (s[1] + s[1]);
                 const auto sa = round_to<response_bits>(low(s[4]) * a);
                 const auto by_b = round_to<response_bits>(low(s[5]) * b) + (s[3] + s[3]) + (sa + sa);
@@ -233,7 +234,7 @@ template <class L> class PrepareKernel {
         return Sum<response_bits>::from_lanes(mean);
     }
 
-    /// X, the softness of a pair that yields by `ease` of its impulse in a substep; added to S.
+    /// X, the softness of a pair that gives up the share `ease` of its impulse in a substep. Adds X to S.
     static void soften(Pack& c, const Input& in, const Gram& g, Sum<response_bits> mean,
                        Sum<response_bits> (&s)[6]) {
         constexpr int place[4] = {0, 2, 4, 5};
@@ -249,13 +250,12 @@ template <class L> class PrepareKernel {
     }
 
     static constexpr std::int64_t range = 0x7fffffff;
-    static Sum<27> bounded_factor(Sum<27> x) {
-        return clamp(x, range);
-    } ///< of a matrix that is none of a response
+    /// Clamps a factor of a matrix that is no response matrix.
+    static Sum<27> bounded_factor(Sum<27> x) { return clamp(x, range); }
 
     static constexpr int factor_bits = 27, ratio_bits = 20; ///< fraction bits of L and of L^-1
 
-    /// A symmetric matrix on its way to its inverse, L D L^T: levels and lines first.
+    /// A symmetric matrix during its inversion by L D L^T. Rows: level and two tilts, or two tangents and the twist.
     struct Factors {
         Sum<response_bits> m[6], e21, p2;
         LaneFixed<L, factor_bits> l10, l20;
@@ -264,12 +264,13 @@ template <class L> class PrepareKernel {
         Mask answers;
         alignas(64) Lanes64 pivot, part;
     };
-    /// What is divided by is 1 where nothing answers: no lane asks before it divides.
+    /// Stores the divisors of the next step. A lane without response gets 1, so that the divisions need no test.
     static void store_pivot(Sum<response_bits> pivot, Sum<response_bits> least, Factors& f) {
         f.answers = ~(least > pivot);
         select(f.answers, pivot, Sum<response_bits>::splat(1)).store64(f.pivot);
     }
-    /// A row that answers to a 1024th of what it would alone, or less, depends on the rows before it.
+    /// The smallest pivot of a row. A row whose pivot is below a 1024th of its own response depends on the rows
+    /// before it.
     static Sum<response_bits> least_of(Sum<response_bits> alone) {
         const Sum<response_bits> floor{L::template shift_right_signed<10>(alone.raw)},
             least = Sum<response_bits>::splat((1 << 12) + 1);
@@ -281,7 +282,7 @@ template <class L> class PrepareKernel {
         for (unsigned lane = 0; lane < N; ++lane) x[lane] = top / f.pivot[lane];
         return Sum<inverse_bits>::from_lanes(x) & f.answers;
     }
-    /// Entries of m are clamped at 2^31.
+    /// Clamps the entries of m at 2^31.
     static void begin_inverse(const Sum<response_bits> (&entries)[6], Factors& f) {
         for (int i = 0; i < 6; ++i) f.m[i] = clamp(entries[i], range);
         store_pivot(f.m[0], Sum<response_bits>::splat(least_response), f);
@@ -311,11 +312,11 @@ template <class L> class PrepareKernel {
         store_pivot(f.p2 - round_to<response_bits>(f.l21 * low(f.e21)), least_of(f.m[5]), f);
         f.answers = f.answers & is_inside(l) & is_inside(ratio);
     }
-    /// Whether it is less than `range`, of either sign.
+    /// True if |x| is less than `range`.
     static Mask is_inside(Sum<ratio_bits> x) {
         return (Sum<ratio_bits>::splat(range) > x) & (x > Sum<ratio_bits>::splat(-range));
     }
-    /// Where the third row is zero.
+    /// The inverse of a matrix whose third row is zero.
     static void invert_two(const Sum<response_bits> (&entries)[6], std::int32_t (&out)[6][N]) {
         Factors f;
         begin_inverse(entries, f), clear_first(f);
@@ -325,8 +326,9 @@ template <class L> class PrepareKernel {
         low(clamp(r00, range)).store(out[0]), low(clamp(-r, range)).store(out[1]);
         low(clamp(f.d1, range)).store(out[2]);
     }
-    /// m^-1 of symmetric matrices, by rows of the lower triangle. What nothing answers to, or depends on the rows before it, gets
-    /// zero rows. Step by step for all of them: each step waits for the one before, and not for those of other matrices.
+    /// m^-1 of symmetric matrices, by rows of the lower triangle. A row without response, or one that depends on the
+    /// rows before it, becomes zero. The matrices go through each step together: a step depends on the step before it
+    /// of the same matrix alone, so the processor overlaps their divisions.
     template <std::size_t Count>
     [[gnu::noinline]] static void invert(const Sum<response_bits> (&entries)[Count][6],
                                          std::int32_t (*const (&out)[Count])[N]) {
@@ -359,11 +361,11 @@ template <class L> class PrepareKernel {
                 for (int i = 0; i < 6; ++i) low(clamp(all[i], range)).store(out[i]);
                 return;
             }
-            d2 = d2 & ~again; // without the last row where its inverse leaves the format
+            d2 = d2 & ~again; // drops the last row where its inverse exceeds the format
         }
     }
 
-    /// Impulses that the last tick remembered, unless the point parts now.
+    /// The impulses of the last tick, except those of points that part now.
     static void start_impulses(Pack& c, const Input& in, int points, const Layout& l,
                                const solve::SolverBody* bodies) {
         const Speed zero = Speed::splat(0), most = Speed::splat(impulse_limit);
@@ -413,16 +415,17 @@ template <class L> class PrepareKernel {
             if (!has(rests.lanes(), lane) || size[lane] == 0) continue;
             const std::int64_t twist = std::int64_t{twists[lane]} * (1 << speed_bits), half = size[lane] / 2;
             const std::int64_t impulse = (twist + (twist < 0 ? -half : half)) /
-                                         size[lane]; // to nearest, or friction gives way in every tick
+                                         size[lane]; // to nearest: otherwise friction yields in every tick
             c.slide[2][lane] = static_cast<std::int32_t>(impulse > impulse_limit    ? impulse_limit
                                                          : impulse < -impulse_limit ? -impulse_limit
                                                                                     : impulse);
         }
     }
 
-    /// The patch of a long body, such as a beam, is narrow across its longest arm, and the body turns easily about that arm: the row of that tilt would
-    /// leave its range, and the fit would take the members for a line. Without an answer to rolling over, a beam rocks without end. So the unit of
-    /// the arms across is shortened by a power of two, until the row is within 2 or the arms fill their range.
+    /// The patch of a long body, such as a beam, is narrow across its longest arm, and the body turns easily about that
+    /// arm. So the row of that tilt would leave its range, and the fit would take the members for a line. Without a
+    /// response to rolling over, a beam rocks without end. So this shortens the unit of the arms across by a power of
+    /// two, until the row is within 2 or the arms fill their range.
     static void widen(const Input& in, int points, Layout& l) {
         constexpr int narrow_bits = unit_bits - 2;
         std::int64_t across[4][N];
@@ -453,14 +456,15 @@ template <class L> class PrepareKernel {
             l.along[1][i].store(along);
             for (unsigned lane = 0; lane < N; ++lane)
                 along[lane] = static_cast<std::int32_t>(
-                    shift_right_rounded(std::int64_t{along[lane]}, up[lane])); // beyond 31 bits in between
+                    // has more than 31 bits in between
+                    shift_right_rounded(std::int64_t{along[lane]}, up[lane]));
             l.along[1][i] = Length::load(along);
         }
     }
 
     // ---- the steps --------------------------------------------------------------------------------------------------
 
-    /// What a step leaves to the next one.
+    /// The results that a step passes to the next one.
     struct Work {
         Input in;
         Layout layout;
@@ -485,7 +489,7 @@ template <class L> class PrepareKernel {
     }
     [[gnu::noinline]] static void find_masses(Pack& c, Work& w, const solve::SolverBody* bodies) {
         const int points = c.point_count;
-        Sum<response_bits> s[3][6]; // of friction, of normals, and of these softened
+        Sum<response_bits> s[3][6]; // of friction, of normals, and of normals with softness
         for (int i = 0; i < 6; ++i) s[0][i] = wide(w.of_slide[i]), s[1][i] = wide(w.of_normals[i]);
         const Sum<response_bits> mean = fill_points(c, w.in, points, w.layout, s[1]);
         start_impulses(c, w.in, points, w.layout, bodies);
@@ -498,8 +502,8 @@ template <class L> class PrepareKernel {
     }
 
   public:
-    /// All of packs whose heads are filled (fill_lane), from what their contacts are. Step by step for all of them: each step's
-    /// instructions have room in a cache of 32 KB, those of all steps have not.
+    /// Prepares packs whose heads are filled (fill_lane) from their contacts. All packs go through each step together:
+    /// a cache of 32 KB has room for the instructions of one step, but not of all steps.
     static void prepare(void* packs, const PackSource* sources, unsigned count,
                         const solve::SolverBody* bodies) {
         Pack* const c = static_cast<Pack*>(packs);

@@ -10,10 +10,11 @@ namespace lockstone::solve {
 
 namespace {
 
-/// So many bodies are looked at behind one that is pressed: what lies deeper in a heap is held by many at once.
+/// The search for a support looks at no more than this many bodies: a body deeper in a heap has many supports.
 constexpr std::size_t behind_max = 32;
 constexpr Separation touching_max = decimal<Separation>("0.001");
-constexpr Unit cone = half(unit_one); ///< of directions that are behind: 60 degrees
+/// cosine of 60 degrees: a supporting contact lies within this angle of the push
+constexpr Unit cone = half(unit_one);
 
 bool touches(const Contact& c) {
     const auto points = std::span(c.points).first(c.count);
@@ -24,7 +25,7 @@ bool is_heavier(const BodyStep& heavy, const BodyStep& light) {
     return heavy.mass.raw / pressed_ratio > light.mass.raw;
 }
 
-/// True if no two bodies differ so much in mass that one could be pressed.
+/// True if the masses of all bodies are so alike that no body can be pressed.
 bool are_alike(std::span<const BodyTraits> traits) {
     std::int64_t least = Real::max().raw, most = 0;
     for (const BodyTraits& t : traits) {
@@ -89,7 +90,7 @@ bool PressedBodies::find(std::span<const Contact> contacts, std::span<const Load
 }
 
 void PressedBodies::reserve(std::size_t bodies, std::size_t contacts) {
-    first.reserve(bodies + 3); // one more for SolverBodies::still()
+    first.reserve(bodies + 3); // two more than bodies, and one for SolverBodies::still()
     of_body.reserve(2 * contacts);
     behind.reserve(behind_max);
 }

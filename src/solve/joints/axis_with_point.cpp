@@ -4,7 +4,7 @@ namespace lockstone::solve {
 
 namespace {
 
-/// C and the entries of rows are below 4, A^-1 C below 8: beyond that the point is left out.
+/// C and the row entries must be below 4, and A^-1 C below 8; otherwise the point is left out.
 constexpr std::int64_t entry_limit = std::int64_t{1} << 30, answer_limit = std::int64_t{1} << 31;
 
 template <std::size_t Count> bool are_below(const std::int64_t (&x)[Count], std::int64_t limit) {
@@ -13,7 +13,7 @@ template <std::size_t Count> bool are_below(const std::int64_t (&x)[Count], std:
     return any < static_cast<std::uint64_t>(limit);
 }
 
-/// x - the answer times what rows have there. False: it has no room.
+/// x minus `answer` times the entries of the three point rows. Returns false if the result does not fit.
 bool take(const std::int64_t (&answer)[3], const std::int32_t (&first)[6], const std::int32_t (&second)[6],
           const std::int32_t (&third)[6], std::int32_t (&x)[6]) {
     std::int64_t rest[6];

@@ -71,7 +71,7 @@ std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& col
     return at - 1;
 }
 
-/// Of a body that moves, levers beyond 128 m are clamped.
+/// Fills one side of a joint. For a body that moves, levers are clamped to 128 m.
 void set_side(JointTick& tick, JointWorkSide& s, JointFrame& own, bool framed, const Transform& frame,
               const BodyColumns& columns, const SolverBodies& bodies) {
     own.rotation = framed ? unit_of(frame.rotation) : frame.rotation;
@@ -95,19 +95,19 @@ Real mul_share(Real mass, Share share) {
     return Real::from_raw(narrow_rounded(Wide::product(mass.raw, share.mantissa), 30 + share.shift));
 }
 
-/// mA mB / (mA + mB); of the only one that moves, or zero.
+/// mA mB / (mA + mB); the mass of the only body that moves, or zero
 Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
     return shares.a.mantissa != 0 ? mul_share(a.mass, shares.a) : mul_share(b.mass, shares.b);
 }
 
-/// Whether it holds a point and nothing else.
+/// True if the joint is a point and has no other parts.
 bool is_point(const JointWork& w) { return w.point && w.axis_count == 0 && w.block_count == 0; }
-/// Whether its pack holds it as a whole.
+/// True if the joint is a point in a pack and has no other parts.
 bool is_packed_point(const JointWork& w) {
     return w.pack != no_pack && w.axis_count + w.block_count == 0 && !w.counts_turns;
 }
 
-/// Calls visit(joint) for each joint that is more than a point in a pack; workers share them.
+/// Calls visit(joint) for each joint that is more than a point in a pack. Workers share the joints.
 template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& visit) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.with_rows.size()), joint_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
@@ -115,7 +115,7 @@ template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& vi
                      });
 }
 
-/// Calls visit(pack, its index) for each pack; workers share them.
+/// Calls visit(pack, its index) for each pack. Workers share the packs.
 template <class Visit> void for_packs(JointTick& tick, Tasks* tasks, Visit&& visit) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk_of(tick.packs.size()),
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
@@ -139,18 +139,18 @@ void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants
 
 void turn_held(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
                const SolverBodies& bodies, Tasks* tasks) {
-    // Other passes of a kernel write to bodies, this one only reads them.
+    // The pass only reads bodies. The cast is needed because JointPassData is also used by passes that write.
     turn_bodies(tick, kernel, pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data())), bodies,
                 tasks);
 }
 
-/// Rows and biases of points where the bodies are now, and the inverses of the rows that packs make. `pass`: of the kernel, for where bodies are.
-/// `before(index)` is called before the rows of a pack are made, `after(pack)` once they are.
+/// Makes rows and biases of points at the present poses, and the inverses of all rows that packs make. `pass`: the
+/// kernel function that does it. Calls `before(index)` before the rows of a pack are made and `after(pack)` after.
 template <class Before, class After>
 void refresh_packs(JointTick& tick, const JointKernel& kernel, decltype(JointKernel::refresh) pass,
                    const StepConstants& step, const SolverBodies& bodies, Tasks* tasks, const Before& before,
                    const After& after) {
-    // Other passes of a kernel write to bodies, these only read them.
+    // These passes only read bodies. The cast is needed because JointPassData is also used by passes that write.
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
     const auto count = static_cast<std::uint32_t>(tick.packs.size());
     std::atomic<bool> any_asks = false;
@@ -170,7 +170,7 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, decltype(JointKer
                          }
                      });
     for (std::uint32_t i = 0; i < count && any_asks.load(std::memory_order_relaxed);
-         ++i) { // bodies that these place belong to several packs
+         ++i) { // sequential: these joints place bodies that several packs share
         if (!asks_for_rows(tick, i)) continue;
         make_asked_rows(tick, i, step, bodies);
         settle_asks(tick.packs[i]);
@@ -189,7 +189,7 @@ void enlarge_exponents(JointTick& tick, std::uint32_t p, decltype(JointKernel::r
             if (((pack.over >> lane) & 1u) == 0) continue;
             JointWork& w = tick.joints[tick.packed[p * pack_lanes + lane]];
             enlarge_exponent(pack, w, step);
-            pack.stale[lane] = -1; // its inverse belongs to the rows before
+            pack.stale[lane] = -1; // the inverse belongs to the old rows
         }
         pass(data, p, p + 1);
     }
@@ -229,7 +229,7 @@ PlannedBody planned_of(std::uint32_t body, const SolverBodies& bodies) {
     return {step.moves, step.movable, fits_pack(body, bodies)};
 }
 
-/// Which bodies joints hold, what parts they have, and in which order they are solved.
+/// Plans which bodies have joints, the parts of each joint, and the order of solving.
 void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const JointMemory> memory,
                  const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
                  std::uint32_t workers) {
@@ -264,7 +264,7 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
         if (w.a.world || w.b.world) tick.framed_in_world.push_back(i);
         if (w.pack != no_pack) tick.packs[w.pack].whole[w.lane] = is_packed_point(w);
         if (is_packed_point(w)) {
-            w.steady = w.stays, w.made = true; // nothing is to be made by itself
+            w.steady = w.stays, w.made = true; // its pack makes everything
             continue;
         }
         tick.with_rows.push_back(i);
@@ -282,7 +282,8 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
     tick.has_plan = tick.forest.trees.empty();
 }
 
-/// Whether the plan of the last tick serves again. How large a body's K^-1 is changes from tick to tick.
+/// True if the plan of the last tick is still valid. The size of a body's K^-1, which decides if the body fits into a
+/// pack, changes from tick to tick.
 bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies& bodies, Tasks* tasks) {
     if (!tick.has_plan || tick.planned_for != base::worker_count(tasks) || tick.joints.size() != joints)
         return false;
@@ -303,7 +304,7 @@ bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies&
     return is_good.load(std::memory_order_relaxed);
 }
 
-/// What plan_joints() makes, from what it made in the last tick.
+/// Has the result of plan_joints(), but starts from the plan of the last tick.
 void keep_plan(JointTick& tick, std::span<const Joint> joints, const BodyColumns& columns,
                const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
@@ -335,7 +336,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
                           const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
                           Tasks* tasks, bool same) {
     JointTick& tick = *work;
-    const bool stays_empty = joints.empty() && tick.joints.empty(); // then all that is planned is empty too
+    const bool stays_empty = joints.empty() && tick.joints.empty(); // then all planned data is empty too
     tick.pose = columns.pose, tick.memory = memory;
     tick.clamped = 0;
     tick.ticks_per_second = step.ticks_per_second;
@@ -355,7 +356,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     }
     tick.glances.resize(tick.joints.size());
     for (const JointWork& w : std::span(tick.joints).first(kept ? 0 : tick.joints.size()))
-        if (is_packed_point(w)) set_glance(tick, w); // it stays what it is
+        if (is_packed_point(w)) set_glance(tick, w); // does not change later
     hold_bodies(tick, bodies, tasks);
     turn_held(tick, *kernel, step, bodies, tasks);
     start_packs(tick, *kernel, step, bodies, tasks);
@@ -373,13 +374,14 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
 
 namespace {
 
-/// Finds the joints whose rows are stale, and the bodies that have to be placed for new rows. Whether any joint has rows of its own.
+/// Finds joints with stale rows, and the bodies to place before new rows are made. Returns true if any joint has rows
+/// of its own.
 bool find_stale_joints(JointTick& tick) {
     bool any = false;
     tick.wanted.clear();
     JointGlance* const glances = tick.glances.data();
     std::uint8_t* const seen = tick.seen.data();
-    for (const std::uint32_t i : tick.with_rows) { // a point in a pack has no rows but these
+    for (const std::uint32_t i : tick.with_rows) { // excludes joints that are only points
         JointGlance& glance = glances[i];
         if (!glance.places) continue;
         any = any || glance.own_rows;
@@ -395,7 +397,7 @@ bool find_stale_joints(JointTick& tick) {
     return any;
 }
 
-/// Finds the lanes of a pack that are stale by the motion of their bodies, and gives them K^-1 of those that are followed.
+/// Finds the stale lanes of a pack by the motion of their bodies, and copies the K^-1 of followed bodies to them.
 void find_stale_lanes(JointTick& tick, std::uint32_t i, const SolverBodies& bodies) {
     const auto seen_of = [seen = tick.seen.data()](const PackSide& side, std::uint32_t lane) {
         return static_cast<std::uint32_t>(seen[side.turned[lane] / sizeof(TurnedBody)]);
@@ -412,7 +414,7 @@ void find_stale_lanes(JointTick& tick, std::uint32_t i, const SolverBodies& bodi
         give_gyration(tick, tick.joints[tick.packed[i * pack_lanes + lane]], bodies);
 }
 
-/// Where the bodies are for which rows are to be made.
+/// Computes the present placement of the bodies in JointTick::wanted.
 void place_wanted(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.wanted.size()), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
@@ -423,7 +425,7 @@ void place_wanted(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
                      });
 }
 
-/// Rows of no pack.
+/// Updates the rows that packs do not make: makes stale rows again, and updates the errors of the others.
 void follow_joints(JointTick& tick, const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.with_rows.size()), joint_chunk,
                      [&, rows = tick.with_rows.data(),
@@ -444,7 +446,7 @@ void follow_joints(JointTick& tick, const StepConstants& step, const SolverBodie
 void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     JointTick& tick = *work;
     if (tick.joints.empty()) return;
-    if (tick.first) { // before the first substep: nothing has moved
+    if (tick.first) { // nothing has moved before the first substep
         for_joints(tick, tasks, [&](JointWork& w) {
             if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
         });
@@ -473,7 +475,7 @@ struct Wrench {
 };
 
 void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) {
-    if ((part.spring | part.motor | part.lower | part.upper) == 0 && part.sum == Real{}) return; // it is zero
+    if ((part.spring | part.motor | part.lower | part.upper) == 0 && part.sum == Real{}) return; // stays zero
     const auto unscaled = [&](std::int32_t p) { return unscaled_impulse(p, part.exponent); };
     wrench.add(part.sum + unscaled(part.spring) + unscaled(part.motor) + unscaled(part.lower) +
                    unscaled(part.upper),
@@ -493,7 +495,7 @@ void store_point(const JointPack& pack, std::uint32_t lane, JointMemory& memory,
     const int e = pack.exponent[lane], up = Real::fraction_bits - Speed::fraction_bits - e;
     for (int i = 0; i < 3; ++i) {
         const std::int64_t p = pack.impulse[i][lane], sum = pack.sum[i][lane] + p;
-        const bool fits = up >= 0 && magnitude(sum) >> 48 == 0; // as it is for all but the smallest levers
+        const bool fits = up >= 0 && magnitude(sum) >> 48 == 0; // true for all but the smallest levers
         memory.axis[static_cast<std::size_t>(i)].spring =
             fits ? Real::from_raw(p << up) : unscaled_impulse(p, e);
         wrench.force[i] += fits ? Real::from_raw(sum << up) : unscaled_impulse(sum, e);
@@ -508,14 +510,14 @@ void store_block(const JointBlock& block, JointMemory& memory, Wrench& wrench) {
     }
 }
 
-/// Of a hinge whose rows its pack makes.
+/// Stores the impulses of a hinge whose rows its pack makes.
 void store_hinge(const TurnPack& turn, std::uint32_t lane, JointMemory& memory, Wrench& wrench) {
     const int e = turn.exponent[lane], up = Real::fraction_bits - Speed::fraction_bits - e;
     const bool small = up >= 0 && up <= 20;
     for (std::size_t r = 0; r < 2; ++r) {
         const std::int64_t now = turn.impulse[r][lane], before = turn.sum[r][lane];
         const bool fits =
-            small && magnitude(now + before) >> (34 - up) == 0; // as it is but for the heaviest loads
+            small && magnitude(now + before) >> (34 - up) == 0; // true except for the heaviest loads
         const Real p = fits ? Real::from_raw(now << up) : unscaled_impulse(now, e);
         memory.axis[about_y + r].spring = p;
         if (!fits) {
@@ -539,15 +541,15 @@ void store_blocks(JointTick& tick, const JointWork& w, JointMemory& memory, Wren
     }
 }
 
-/// From an impulse of a tick to a force, or to a torque. What is multiplied first does not matter but for masses whose product with the
-/// rate leaves Real; the force may be within it all the same.
+/// Converts the impulse of a tick to a force or a torque. The order of the products matters only for masses whose
+/// product with the rate exceeds Real: even then the force may be in range.
 Vec3 force_of(const JointTick& tick, Vec3 impulse, Real mass) {
     const Real mass_rate = mass * tick.ticks_per_second;
     if (mass_rate != Real::max()) return impulse * mass_rate;
     return impulse * Real(tick.ticks_per_second) * mass;
 }
 
-/// Of joints that are points in a pack and nothing else.
+/// Stores the joints that are only a point in a pack.
 void store_points(const JointTick& tick, const JointPack& pack, std::span<JointMemory> memory) {
     for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
         if (pack.whole[lane] == 0) continue;
@@ -579,7 +581,7 @@ void JointSolver::store(std::span<JointMemory> memory, const SolverBodies& bodie
         if (w.pack != no_pack) store_point(tick.packs[w.pack], w.lane, m, wrench);
         m.twist = w.needs_travel   ? w.travel
                   : w.counts_turns ? twist_to_store(tick, w, m.twist, bodies)
-                                   : Real{}; // nothing depends on its whole turns
+                                   : Real{}; // its whole turns have no effect
         m.force = force_of(tick, wrench.force, w.mass);
         m.torque = wrench.torque == Vec3{} ? Vec3{} : force_of(tick, wrench.torque, w.mass);
     });

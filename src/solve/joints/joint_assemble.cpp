@@ -1,4 +1,4 @@
-// From the table of axes to parts.
+// Builds the parts of a joint from its table of axes.
 #include "solve/joints/joint_work.h"
 
 namespace lockstone::solve {
@@ -27,7 +27,7 @@ struct Assembly {
         tick.blocks.emplace_back();
         return tick.blocks.back();
     }
-    /// A lock at `at`. Impulses stay unscaled in `sum` until the rows are made.
+    /// A lock at `at`. The impulse of the last tick stays unscaled in `sum` until the rows are made.
     void add_lock(JointBlock& block, RowKind kind, int slot, Real at = {}) const {
         const int i = block.count++;
         block.kind[i] = kind;
@@ -138,7 +138,7 @@ void Assembly::add_angular() {
     add_swing();
 }
 
-/// Of distance and pulley: axis[0] measures a length.
+/// Distance and pulley: axis[0] measures a length.
 void Assembly::add_line(RowKind kind) {
     std::uint8_t features = features_of(0);
     if (axis(0).lower <= Real{}) features &= static_cast<std::uint8_t>(~has_lower);
@@ -220,7 +220,7 @@ void add_point_block(JointTick& tick, JointWork& work) {
     work.first_block = static_cast<std::uint32_t>(tick.blocks.size());
     for (std::uint32_t i = 0; i < count; ++i) {
         make_room(tick.blocks);
-        tick.blocks.push_back(tick.blocks[before + i]); // all of a joint stand together
+        tick.blocks.push_back(tick.blocks[before + i]); // the blocks of a joint are contiguous
     }
     make_room(tick.blocks);
     JointBlock& block = tick.blocks.emplace_back();
@@ -239,7 +239,7 @@ bool counts_turns(const JointDef& def) {
            (def.axis[about_y].mode == AxisMode::locked && def.axis[about_z].mode == AxisMode::locked);
 }
 
-/// Kinds whose rows change by turns alone, and slowly.
+/// True for kinds whose rows depend on turns alone, and change slowly.
 static bool may_stay(RowKind kind) {
     return kind <= RowKind::point_z || (kind >= RowKind::orientation_x && kind <= RowKind::swing);
 }
@@ -248,7 +248,7 @@ bool may_stay(const JointTick& tick, const JointWork& work) {
     for (std::uint32_t i = 0; i < work.axis_count; ++i) {
         const JointAxisPart& part = tick.axes[work.first_axis + i];
         if (!may_stay(part.kind)) return false;
-        // The direction that a small cone pushes along turns by more than the bodies do.
+        // The direction of a small cone turns by more than the bodies do.
         if (part.kind == RowKind::swing && part.upper_at < decimal<Real>("0.25")) return false;
     }
     for (std::uint32_t i = 0; i < work.block_count; ++i)

@@ -1,11 +1,14 @@
-// Points of joints that an impact has opened are closed before the tick ends.
+// Closes points of joints that an impact opened, before the tick ends.
 //
-// A figure that lands on stretched legs is stopped at its feet within a substep, and a pass over its joints carries that no further than their
-// order does: a hip opens by 3 cm and is pulled together over the next ticks. So what is open after the substeps is closed by moving
-// bodies: passes over the points and hinges of packs, each from bodies at rest and from impulses of zero, that take the whole error out.
-// Only joints of bodies that are pushed pull: those of open points, and whom these push in turn. All others stay as they are, to the bit.
-// Velocities and impulses are as before then. Bodies enter what they touch by that much, which contacts push out.
-// source: errors of positions solved apart from velocities: Bender, Mueller, Macklin, A survey on position based dynamics (2017)
+// A figure that lands on stretched legs is stopped at its feet within a substep. One pass over its joints carries the
+// impulse only as far as their order allows, so a hip opens by centimetres and closes over the next ticks. After the
+// substeps, open points are therefore closed by moving bodies: passes over the points and hinges of packs, each from
+// bodies at rest and from zero impulses, remove the whole error. Only joints of pushed bodies pull: a body is pushed
+// if it belongs to an open point, or if a pass over a joint moves it. All other bodies stay unchanged, to the bit.
+// Velocities and impulses are restored afterwards. Bodies may penetrate what they touch by the correction, which
+// contacts remove later.
+// source: errors of positions solved apart from velocities: Bender, Mueller, Macklin, A survey on position based
+// dynamics (2017)
 #include "solve/joints/joint_work.h"
 
 #include "lockstone/math/math.h"
@@ -17,16 +20,16 @@ namespace lockstone::solve {
 
 namespace {
 
-/// Points that are nearer than this are left to the next substeps [m].
+/// Gaps below this are left to the next substeps [m].
 constexpr std::int32_t open_gap = decimal<Separation>("0.006").raw;
-/// Points that have opened by less since the tick began were so before; a load may keep them open [m].
+/// A gap that grew by less since the tick began is not closed: a load may keep it open [m].
 constexpr std::int32_t opened_gap = decimal<Separation>("0.003").raw;
-/// Whom a pass moves by less than about that, its other joints need not follow [m].
+/// If a pass moves bodies by less than about this, their other joints are not included [m].
 constexpr std::int32_t push_gap = decimal<Separation>("0.0005").raw;
-/// Passes at most: what a net is torn by spreads out over its joints slowly.
+/// Upper bound of the number of passes. A large correction in a net spreads slowly over its joints.
 constexpr int passes_max = 16;
 
-/// Of a body, in ClosedPoints::of_body.
+/// Flags in ClosedPoints::of_body.
 constexpr std::uint8_t is_stopped = 1, is_pushed = 2;
 
 class Closer {
@@ -47,9 +50,9 @@ class Closer {
         return pack.turn_rows != 0 ? &tick.turn_packs[pack.turn] : nullptr;
     }
 
-    // ---- what is open, and what is pushed ------------------------------------------------------------------------
+    // ---- open points and pushed bodies ---------------------------------------------------------------------------
 
-    /// What closes a gap at the rate of `data`, where e is 0.
+    /// The speed that closes a gap at the rate of `data`, for e = 0.
     std::int32_t speed_for(std::int32_t gap) const {
         return static_cast<std::int32_t>(
             (std::int64_t{gap} * data.rate) >>
@@ -58,11 +61,11 @@ class Closer {
     static bool is_beyond(const std::int32_t (&x)[3][pack_lanes], std::uint32_t lane, std::int32_t most) {
         return std::abs(x[0][lane]) > most || std::abs(x[1][lane]) > most || std::abs(x[2][lane]) > most;
     }
-    /// Whether the point of a lane is off by more than open_gap, by its bias.
+    /// True if the point of a lane is off by more than open_gap, according to its bias.
     bool is_open(const JointPack& pack, std::uint32_t lane) const {
         return is_beyond(pack.bias, lane, speed_for(open_gap) >> pack.exponent[lane]);
     }
-    /// Whether it has opened since the tick began: what a load keeps open has not.
+    /// True if the gap grew since the tick began. A gap that a load keeps open did not.
     bool has_opened(const JointPack& pack, std::uint32_t lane) const {
         std::int32_t now = 0;
         for (const auto& bias : pack.bias) now = std::max(now, std::abs(bias[lane]));
@@ -86,9 +89,9 @@ class Closer {
         return false;
     }
 
-    // ---- what is set aside ---------------------------------------------------------------------------------------
+    // ---- saved velocities and impulses ---------------------------------------------------------------------------
 
-    /// Stops a body until all is closed.
+    /// Saves the velocity of a body and sets it to zero until all points are closed.
     void stop(std::uint32_t body) {
         if ((closed.of_body[body] & is_stopped) != 0) return;
         closed.of_body[body] |= is_stopped;
@@ -108,7 +111,8 @@ class Closer {
         for (auto& bias : pack.bias) bias[lane] = 0;
         for (int r = 0; turn != nullptr && r < 3; ++r) turn->bias[r][lane] = 0;
     }
-    /// The impulses of a pack are set aside, and its bodies stopped: the solver visits all of its lanes.
+    /// Saves and clears the impulses of a pack, and stops its bodies. The kernel processes all lanes of a pack, so
+    /// this covers lanes that do not pull as well.
     void take(std::uint32_t p) {
         if (closed.of_pack[p] != 0) return;
         closed.of_pack[p] = 1;
@@ -146,11 +150,11 @@ class Closer {
 
     // ---- a pass --------------------------------------------------------------------------------------------------
 
-    /// Where the bodies are that were stopped, four by four.
+    /// Updates the placement of the stopped bodies, in groups of four.
     void look_at_bodies() {
         closed.of_four.assign(tick.held.size(), 0);
         for (const std::uint32_t body : closed.stopped) {
-            const std::uint32_t at = tick.cache_of[body]; // none of what stands still
+            const std::uint32_t at = tick.cache_of[body]; // 0: it does not move
             if (at == 0 || closed.of_four[(at - 1) / pack_lanes] != 0) continue;
             closed.of_four[(at - 1) / pack_lanes] = 1;
             turn_four(tick, (at - 1) / pack_lanes, kernel, data, bodies);
@@ -164,7 +168,8 @@ class Closer {
         if (glance.own_rows) follow_errors(tick, joint_of(p, lane), step, bodies);
         settle_asks(tick.packs[p]);
     }
-    /// Rows of a pack and the biases of its joints that pull, from where bodies are. Whether one of these is open.
+    /// Makes the rows of a pack, and the biases of those of its joints that pull. Returns true if one of these is
+    /// open.
     bool refresh(std::uint32_t p, bool moved) {
         JointPack& pack = tick.packs[p];
         for (std::uint32_t lane = 0; lane < pack.count && moved; ++lane) follow_joint(p, lane);
@@ -188,7 +193,8 @@ class Closer {
             if (is_any_pushed(tick.packs[p])) open = refresh(p, moved) || open;
         return open;
     }
-    /// A pass over the lanes of a pack whose bodies are pushed; the kernel takes all of them.
+    /// One pass over the lanes of a pack with pushed bodies. The kernel processes all lanes, so the others are
+    /// restored.
     void solve(std::uint32_t p) {
         JointPack& pack = tick.packs[p];
         if (!is_any_pushed(pack)) return;
@@ -211,7 +217,7 @@ class Closer {
             }
         }
     }
-    /// Moves bodies for a substep and stops them. Those whose turn is followed only shift.
+    /// Moves bodies by their velocities for a substep, then stops them. Followed bodies shift but do not turn.
     void move_and_stop() {
         constexpr int to_separation = accumulator_bits - Separation::fraction_bits;
         const auto way = [&](std::int64_t& v) {
@@ -239,7 +245,7 @@ class Closer {
         : tick(joint_tick), closed(joint_tick.closed), step(step_constants), bodies(solver_bodies),
           kernel(lanes), data(pass_data(joint_tick, step_constants, solver_bodies.body.data())) {}
 
-    /// Pushes the bodies of open points, if any.
+    /// Marks the bodies of open points as pushed. Returns true if there are any.
     bool find_open() {
         closed.pushed.clear();
         for (const JointPack& pack : tick.packs)
@@ -256,7 +262,7 @@ class Closer {
     void close() {
         closed.of_pack.assign(tick.packs.size(), 0);
         closed.stopped.clear(), closed.velocities.clear(), closed.packs.clear();
-        // The whole error within a substep.
+        // Remove the whole error within a substep.
         data.rate = saturate_to_int32(step.substeps_per_second << joint_rate_bits);
         data.mass_scale = unit_one.raw, data.impulse_scale = 0;
         data.axes = nullptr;

@@ -1,4 +1,4 @@
-// Where bodies and frames are within a tick, and the rows made of that.
+// Placement of bodies and frames within a tick, and the rows computed from it.
 #include "solve/joints/joint_motion.h"
 #include "solve/joints/joint_work.h"
 
@@ -10,7 +10,7 @@ namespace lockstone::solve {
 
 namespace {
 
-/// K^-1 of a vector of 32-bit raw values with `fraction_bits`.
+/// K^-1 v, with 32-bit raw values of `fraction_bits`
 Vec3 over_gyration(const BodyStep& body, const std::int32_t v[3], int fraction_bits) {
     const std::int64_t arm[3] = {v[0], v[1], v[2]};
     const Scaled3 x = turning(body, arm, fraction_bits);
@@ -23,7 +23,7 @@ Vec3 over_gyration(const BodyStep& body, const std::int32_t v[3], int fraction_b
             round_from<Real>(x.m[2], x.fraction_bits)};
 }
 
-/// std::equal would call memcmp.
+/// Avoids std::equal, which would call memcmp.
 bool are_same(const std::int32_t (&a)[3], const std::int32_t (&b)[3]) {
     return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) == 0;
 }
@@ -34,7 +34,7 @@ Real from_separation(std::int32_t x) {
     return Real::from_raw(std::int64_t{x} << (Real::fraction_bits - Separation::fraction_bits));
 }
 
-/// r v of a lever within 128 m: 30 bits times 32, three times.
+/// r v for a lever within 128 m: 30 bits times 32, three times.
 Vec3 turned_lever(const Rotation& r, LengthVec3 v) {
     constexpr int extra = Unit::fraction_bits + Length::fraction_bits - Real::fraction_bits;
     const auto one = [&](Unit x, Unit y, Unit z) {
@@ -45,13 +45,13 @@ Vec3 turned_lever(const Rotation& r, LengthVec3 v) {
     return {one(r.x.x, r.y.x, r.z.x), one(r.x.y, r.y.y, r.z.y), one(r.x.z, r.y.z, r.z.z)};
 }
 
-/// Slower than this, an arc curves by less than the step of a Speed [rad/s].
+/// True if the body turns so slowly that the arc curves by less than the step of a Speed [rad/s].
 bool turns_slowly(Vec3 w) {
     constexpr std::uint64_t slow = std::uint64_t{1} << (Real::fraction_bits - 6);
     return magnitude(w.x.raw) < slow && magnitude(w.y.raw) < slow && magnitude(w.z.raw) < slow;
 }
 
-/// w x (w x lever), with w clamped to 2048 rad/s and the inner product to 2048 m/s: beyond that the arc says nothing useful.
+/// w x (w x lever). w is clamped to 2048 rad/s and the inner product to 2048 m/s, beyond which the arc is of no use.
 Vec3 turned_twice(Vec3 w, Vec3 lever) {
     constexpr std::int64_t most = std::int64_t{1} << 30;
     constexpr int speed_drop = Real::fraction_bits - Speed::fraction_bits,
@@ -72,7 +72,8 @@ Vec3 turned_twice(Vec3 w, Vec3 lever) {
     return {outer(1, 2), outer(2, 0), outer(0, 1)};
 }
 
-/// Of a hinge's rows directions are asked for and no places, of a point's no directions.
+/// Present state of one side. Rows of a hinge need directions but no positions, and rows of a point need no
+/// directions.
 JointSide side_of(const JointTick& tick, const JointWork& work, const JointWorkSide& side,
                   const JointFrame& frame, const SolverBodies& bodies) {
     JointSide now{};
@@ -98,7 +99,7 @@ JointSide side_of(const JointTick& tick, const JointWork& work, const JointWorkS
     return now;
 }
 
-/// Adds the error of gears and racks that the last move made.
+/// Adds the error that the last move caused, for gears and racks.
 void add_travel(const JointTick& tick, JointWork& work, const JointPlace& p, const SolverBodies& bodies) {
     const auto turned = [&](const JointWorkSide& side) {
         if (side.world) return Vec3{};
@@ -173,7 +174,8 @@ void set_block_errors(JointBlock& block, const RowValue* values, bool in_tree, c
             scaled_error(values[i].position - block.at[i], e) - moved_of(block, block.row[i], bodies);
         const Real ahead = half_step(values[i].arc, arc_most, step);
         block.ahead[i] = scaled_speed(ahead.raw, Real::fraction_bits, e);
-        // As set_block_bias(), but finer: where two joints lock the same motion, the difference of their roundings adds up.
+        // As set_block_bias(), but finer: if two joints lock the same motion, the difference of their roundings
+        // accumulates.
         const Real push =
             clamp((values[i].position - block.at[i]) * rate, -step.joint_push_max, step.joint_push_max);
         block.bias[i] = scaled_speed((push + ahead).raw, Real::fraction_bits, e);
@@ -190,20 +192,20 @@ void set_block_bias(JointBlock& block, bool in_tree, const StepConstants& step, 
     }
 }
 
-/// The speed at which a limit may be approached; where it is passed, the speed that leads back.
+/// The largest allowed speed towards a limit; beyond the limit, the speed that leads back.
 struct LimitTargets {
     std::int32_t bias, relax;
 };
 LimitTargets limit_targets(std::int64_t room, std::int32_t ahead, std::int32_t push_max,
                            const StepConstants& step) {
-    constexpr std::int64_t far = std::int64_t{1} << 35; // times 2^14 substeps a second
+    constexpr std::int64_t far = std::int64_t{1} << 35; // multiplied by up to 2^14 substeps per second
     if (room <= 0) return {speed_within(bias_of(room, step.joint.rate, push_max) + ahead), 0};
     const std::int64_t open = shift_right_rounded(std::min(room, far) * step.substeps_per_second,
                                                   Separation::fraction_bits - Speed::fraction_bits);
     return {speed_within(open + ahead), speed_within(open)};
 }
 
-/// Biases from where the bodies are.
+/// Updates biases and the idle flag from the present state of the bodies.
 void set_axis_targets(JointAxisPart& part, const StepConstants& step, Bodies bodies) {
     if (part.unmade) return;
     const std::int64_t moved = moved_of(part, part.row, bodies);
@@ -222,7 +224,7 @@ void set_axis_targets(JointAxisPart& part, const StepConstants& step, Bodies bod
                 (!low || part.lower_relax > part.far) && (!up || part.upper_relax < -part.far);
 }
 
-/// The value that a row's error is counted from, found where the row is made.
+/// Computes the reference value of the row's error; called when the row is made.
 void set_axis_errors(JointAxisPart& part, const RowValue& value, const StepConstants& step, Bodies bodies) {
     const int e = part.exponent;
     const auto scaled = [e](Real x) { return scaled_speed(x.raw, Real::fraction_bits, e); };
@@ -234,7 +236,8 @@ void set_axis_errors(JointAxisPart& part, const RowValue& value, const StepConst
     part.ahead = scaled(ahead), part.ahead_up = scaled(-ahead);
     part.push_max = scaled(step.joint_push_max);
     part.far = scaled(limit_speed_far);
-    // A limit has the whole range, so that it holds what the spring and the motor push at it with, whatever their forces are.
+    // Limits have the whole range, so that they can hold against the spring and the motor, whatever the forces of
+    // these.
     if (part.features & has_spring)
         part.spring_bound = std::min(scaled_impulse(part.spring_max, e), joint_impulse_max / 4);
     if (part.features & has_motor) {
@@ -272,13 +275,13 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
             block.impulse[i] = rescaled_impulse(block.impulse[i], before, block.exponent);
         }
     }
-    // Trees do without, but motors and limits take points along: axis_with_point.h.
+    // Trees need no inverses, except for a point: motors and limits use it (axis_with_point.h).
     if (work.tree == no_tree || (work.axis_count != 0 && block.kind[0] == RowKind::point_x))
         block.inverse = block.turns ? invert_turning(block.row, block.count) : invert(block.row, block.count);
     set_block_errors(block, values, work.tree != no_tree, step, bodies);
 }
 
-/// `last`: as is_out_of_reach() takes it.
+/// `last`: see is_out_of_reach().
 void make_axis(JointAxisPart& part, const JointAxisImpulses* last, const JointWork& work,
                const JointPlace& place, Real least, const StepConstants& step, const SolverBodies& bodies) {
     part.unmade = part.kind == RowKind::twist && is_out_of_reach(part, last, place.twist, least);
@@ -289,12 +292,13 @@ void make_axis(JointAxisPart& part, const JointAxisImpulses* last, const JointWo
     make_axis_row(part, last, work, row_value(part.kind, place), step, bodies);
 }
 
-/// Near opposite axes a small turn of the bodies changes the twist a lot.
+/// True if the x axes are nearly opposite: a small turn of the bodies then changes the twist a lot.
 bool is_opposite(const JointPlace& place) {
     return dot<Real>(place.a.axes.x, place.b.axes.x) < decimal<Real>("-0.5");
 }
 
-/// True if the direction of an angle about y or z of A turns by more than twice the turn of the bodies: xB is within 30 degrees of that axis.
+/// True if the direction of an angle about y or z of A turns by more than twice the turn of the bodies: xB is within
+/// 30 degrees of that axis.
 bool has_quick_angle(const JointTick& tick, const JointWork& work, const JointPlace& place) {
     const auto is_near = [&](UnitVec3 axis) {
         return abs(dot<Real>(place.b.axes.x, axis)) > decimal<Real>("0.866");
@@ -308,7 +312,8 @@ bool has_quick_angle(const JointTick& tick, const JointWork& work, const JointPl
     return false;
 }
 
-/// Both bodies of a joint whose rows stay turn by 2^-given_turn_bits rad about each axis, and a twist by up to twice as much: 4 sqrt(3) / 16 [rad].
+/// Largest change of the twist while rows are reused [rad]: both bodies turn by 2^-given_turn_bits rad about each
+/// axis, and the twist by up to twice their sum: 4 sqrt(3) / 16.
 constexpr Real far_turn_room = decimal<Real>("0.44");
 
 } // namespace
@@ -352,7 +357,7 @@ Real half_step(Real x, Real most, const StepConstants& step) {
 }
 
 std::int64_t scaled_error(Real x, int exponent) {
-    constexpr std::int64_t far = std::int64_t{1} << 60; // leaves room for what the bodies have moved since
+    constexpr std::int64_t far = std::int64_t{1} << 60; // leaves room for the motion of the bodies since
     const int drop = Real::fraction_bits - Separation::fraction_bits + exponent;
     return std::clamp(drop >= 0 ? shift_right_rounded(x.raw, std::min(drop, 62))
                                 : shift_left_saturated(x.raw, std::min(-drop, 24)),
@@ -373,7 +378,7 @@ bool has_axes_alone(const JointTick& tick, const JointWork& work) {
     if (work.block_count != 0 && !is_made_in_pack(tick, work)) return false;
     for (std::uint32_t i = 0; i < work.axis_count; ++i) {
         const JointAxisPart& part = tick.axes[work.first_axis + i];
-        // Within such a turn the direction of a narrower cone turns too far.
+        // Within 2^-given_turn_bits rad the direction of a narrower cone turns too far.
         if (part.kind == RowKind::swing && part.upper_at < decimal<Real>("0.5")) return false;
     }
     return true;
@@ -419,7 +424,7 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
         set_acting(tick, work);
 }
 
-/// Whether a lane of a hinge's pack asks for rows of its joint that are not there.
+/// True if a lane of a hinge's pack needs rows of its joint that do not exist.
 static bool asks_for_rows(const JointTick& tick, std::uint32_t pack, const TurnPack& turn,
                           std::uint32_t lane) {
     if ((turn.apart[lane] | turn.reaches[lane]) == 0 || turn.generic[lane] != 0) return false;
@@ -506,7 +511,7 @@ static void set_pose(JointBody& now, const Transform& pose, const SolverBodies& 
     now.rotation = rotation_now(pose, now.body, bodies);
 }
 
-/// What levers ask for, of a body whose pose is set.
+/// Computes the members that levers depend on. The pose must be set.
 static void set_place(JointBody& now, const Transform& pose) {
     for (int i = 0; i < 3; ++i) now.position[i] = pose.position[i] + from_separation(now.shift[i]);
     now.axes = to_rotation(now.rotation);

@@ -1,5 +1,5 @@
-// Hinges that packs make: what is left of them is a twist, and its limits. When limits of a twist are out of reach, and whole turns of
-// a twist within a tick.
+// Hinges that packs make: their twist and its limits. Also computes when limits of a twist are out of reach, and
+// counts whole turns of a twist within a tick.
 #include "solve/joints/joint_work.h"
 
 #include "lockstone/math/math.h"
@@ -8,7 +8,8 @@ namespace lockstone::solve {
 
 namespace {
 
-/// How fast a side turns at most, by the sum of its components [rad/s]. Of hinges packs know it.
+/// Upper bound of the angular speed of a side, the sum of the components [rad/s]. For hinges it is read from the pack
+/// data.
 Real spin_size(const JointTick& tick, const JointWork& work, const JointWorkSide& side) {
     if (side.world) return {};
     if (!work.hinge) {
@@ -20,14 +21,14 @@ Real spin_size(const JointTick& tick, const JointWork& work, const JointWorkSide
     return Real::from_raw(static_cast<std::int64_t>(size) << (Real::fraction_bits - Speed::fraction_bits));
 }
 
-/// The rows of both sides.
+/// Upper bound of the relative angular speed of both sides [rad/s].
 Real most_spin(const JointTick& tick, const JointWork& work) {
     return spin_size(tick, work, work.a) + spin_size(tick, work, work.b);
 }
 
 constexpr Real room_slack = Real(1) / Real(16);
 
-/// A twist that changes by more in a tick is found from tick to tick by what its bodies have turned [rad].
+/// If the twist changes by more than this in a tick, it is computed from the turns of the bodies [rad].
 constexpr Real fast_turn = Real(1);
 
 } // namespace
@@ -52,7 +53,7 @@ namespace {
 Quat frame_now(const JointTick& tick, const JointWorkSide& side, const JointFrame& frame) {
     return side.world ? frame.rotation : quat_product(tick.bodies[side.cache].rotation, frame.rotation);
 }
-/// As to_rotation(), of a rotation: its x axis.
+/// The x axis of to_rotation(), for a unit quaternion.
 UnitVec3 x_axis(Quat q) {
     const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
     const auto dropped = [](std::int64_t sum, int bits) {
@@ -69,15 +70,17 @@ bool has_turned_far(const JointTick& tick, const JointWork& work) {
     return ((seen(work.a) | seen(work.b)) & seen_far) != 0;
 }
 
-/// Whether limits are out of reach without an angle, as they were in the last tick: the pack looks whether they still are. Its twist is
-/// then the middle of what they allow, which is less than a half turn from it on either side.
+/// True if limits are out of reach at the twist of the last tick and no angle needs to be computed now: the pack
+/// checks if they stay out of reach. The twist is then set to the middle of the range, which requires that the limits
+/// are less than a half turn from it on either side.
 bool stays_out_of_reach(const JointWork& work, const JointAxisPart& part, const JointAxisImpulses& last,
                         Real least) {
     return is_out_of_reach(part, &last, work.twist, least) &&
            half(part.upper_at - part.lower_at) - least < pi;
 }
 
-/// The pack does not look at limits that leave a whole turn: what spins fast and may reach them within the tick has a row throughout.
+/// Distance at which limits come within reach. The pack does not check limits that are a whole turn apart, so fast
+/// joints that may reach them within the tick keep a row throughout.
 Real room_of(const JointTick& tick, const JointWork& work, const JointAxisPart& part, Real least,
              const StepConstants& step) {
     if (half(part.upper_at - part.lower_at) - least < pi) return least;
@@ -85,7 +88,7 @@ Real room_of(const JointTick& tick, const JointWork& work, const JointAxisPart& 
     return way > fast_turn ? max(least, way + room_slack) : least;
 }
 
-/// The twist of a hinge where its bodies are, and the row of its limits. False: they are out of reach, and there is no row.
+/// Computes the twist of a hinge, and the row of its limits. Returns false, without a row, if they are out of reach.
 bool make_twist(JointTick& tick, JointWork& work, JointAxisPart& part, Real least, const StepConstants& step,
                 const SolverBodies& bodies) {
     JointAxisImpulses last;
@@ -100,7 +103,7 @@ bool make_twist(JointTick& tick, JointWork& work, JointAxisPart& part, Real leas
     const Real before_tick = tick.memory[work.memory].twist;
     work.twist = twist_between(
         qa, qb, work.counts_turns ? expected_twist(tick, work, qa, before_tick, bodies) : Real{});
-    // Near opposite axes a small turn of the bodies changes the twist a lot.
+    // If the x axes are nearly opposite, a small turn of the bodies changes the twist a lot.
     work.steady = work.stays && dot<Real>(xa, xb) >= decimal<Real>("-0.5");
     if (is_out_of_reach(part, before, work.twist, room_of(tick, work, part, least, step))) return false;
     const RowValue value =
@@ -112,7 +115,7 @@ bool make_twist(JointTick& tick, JointWork& work, JointAxisPart& part, Real leas
 
 } // namespace
 
-/// How far B has turned against A since the tick began, about x [rad]. Whole turns count, which poses do not tell.
+/// Turn of B relative to A about x since the tick began [rad]. Includes whole turns, which poses do not contain.
 static Real turned_about(const JointWork& work, UnitVec3 x, const SolverBodies& bodies) {
     const auto turned = [&](const JointWorkSide& side) {
         if (side.world) return Real{};
@@ -145,7 +148,8 @@ Real twist_to_store(const JointTick& tick, const JointWork& work, Real before, c
         const Real near = expected_twist(tick, work, a, before, bodies);
         if (near != work.twist) return twist_between(a, now(work.b, work.frame_b), near);
     }
-    // As the tick began, or later: the next tick finds the nearest angle.
+    // A stored twist from the start of the tick or later is enough: the next tick chooses the nearest equivalent
+    // angle.
     if (work.hinge && work.needs_twist) return work.twist;
     const auto kept = [&](const JointWorkSide& s, const JointFrame& frame) {
         return s.world ? frame.rotation : tick.bodies[s.cache].rotation * frame.rotation;
@@ -159,7 +163,7 @@ bool make_hinge(JointTick& tick, JointWork& work, const StepConstants& step, con
     const bool is_other = turn.apart[work.lane] != 0 || turn.generic[work.lane] != 0;
     if (work.axis_count > 1 || is_other || (part != nullptr && part->kind != RowKind::twist)) return false;
     const Real least = least_room(tick, work, step);
-    work.steady = work.stays; // no tree has it
+    work.steady = work.stays; // trees have no packed hinges
     const bool has_row = part != nullptr && make_twist(tick, work, *part, least, step, bodies);
     if (part != nullptr && !has_row) part->turns = part->unmade = part->idle = true;
     if (!work.made) set_reach(turn, work, has_row ? nullptr : part, least);

@@ -1,4 +1,4 @@
-// What a joint reads and writes of its two bodies.
+// Reads and writes the velocities of the two bodies of a joint, in the formats of the rows.
 #pragma once
 
 #include "solve/joints/joint_rows.h"
@@ -7,12 +7,12 @@
 
 namespace lockstone::solve {
 
-/// Velocities of the two bodies of a joint: along, then about.
+/// Velocities of the two bodies of a joint: linear, then angular.
 struct Motion {
     std::int64_t a[6], b[6]; ///< 47 fraction bits
 };
 
-/// 32768 m/s: what it may be while the impulses of a tree are given one after another, with room for a part's.
+/// 32768 m/s: bound of velocities between the impulses of a tree. It leaves room for the impulse of one more part.
 inline constexpr std::int64_t motion_between_max = std::int64_t{1} << 62;
 
 inline Motion read(const SolverBody& a, const SolverBody& b) {
@@ -25,7 +25,7 @@ inline void write(const std::int64_t (&m)[6], SolverBody& body) {
 }
 inline void write(const Motion& m, SolverBody& a, SolverBody& b) { write(m.a, a), write(m.b, b); }
 
-/// Keeps velocities within the 1024 m/s that rows can read. Only impulses beyond all bounds lead there.
+/// Clamps velocities to `most`, by default to the 1024 m/s that rows can read. Only extreme impulses exceed that.
 inline void clamp_motion(Motion& m, std::int64_t most) {
     for (int i = 0; i < 6; ++i) {
         m.a[i] = std::clamp(m.a[i], -most, most);
@@ -34,14 +34,14 @@ inline void clamp_motion(Motion& m, std::int64_t most) {
 }
 
 inline void clamp_motion(Motion& m) {
-    std::uint64_t any = 0; // from -motion_max on no bit of the sum is above that of 2 motion_max
+    std::uint64_t any = 0; // sums of velocities within the bound have no bit above that of 2 motion_max
     for (int i = 0; i < 6; ++i)
         any |=
             static_cast<std::uint64_t>(m.a[i] + motion_max) | static_cast<std::uint64_t>(m.b[i] + motion_max);
     if (any >= static_cast<std::uint64_t>(2 * motion_max)) clamp_motion(m, motion_max);
 }
 
-/// The velocities in the format that rows read, Speed.
+/// The velocities as Speed, the format that rows read.
 struct Speeds {
     std::int32_t a[6], b[6];
     explicit Speeds(const Motion& m) {
@@ -50,15 +50,14 @@ struct Speeds {
             b[i] = speed_of(m.b[i]);
         }
     }
-    static std::int32_t
-    speed_of(std::int64_t v) { // within 2^30: the low bits of a logical shift are those of the other
+    static std::int32_t speed_of(std::int64_t v) { // within 2^30: the low bits of a logical shift are right
         constexpr std::uint64_t half_step = std::uint64_t{1} << (row_bits - 1);
         return static_cast<std::int32_t>(
             static_cast<std::uint32_t>((static_cast<std::uint64_t>(v) + half_step) >> row_bits));
     }
 };
 
-/// The velocities for rows that only turn.
+/// The angular velocities as Speed, for rows without linear part.
 struct Turning {
     std::int32_t a[3], b[3];
     explicit Turning(const Motion& m) {
@@ -82,7 +81,7 @@ inline std::int32_t speed_along(const Row& row, const Speeds& now) {
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(speed, -joint_impulse_max, joint_impulse_max));
 }
 
-/// Of a row that only turns.
+/// J . theta, Separation, for a row without linear part.
 inline std::int64_t turned_along(const Row& row, const SolverBody& a, const SolverBody& b) {
     std::int64_t sum = 0;
     for (int i = 0; i < 3; ++i)
@@ -98,13 +97,13 @@ inline std::int64_t moved_along(const Row& row, const SolverBody& a, const Solve
     return shift_right_rounded(sum, row_bits);
 }
 
-/// The speed C rate, at most `most`, of an error C in Separation; errors of more than 256 m push no faster.
+/// The speed C rate of an error C, clamped to `most`. C is in Separation and clamped to 256 m.
 inline std::int64_t bias_of(std::int64_t error, Real rate, std::int32_t most) {
     constexpr std::int64_t far = std::int64_t{1} << 35;
     constexpr int rate_bits = 16, shift = Separation::fraction_bits - Speed::fraction_bits + rate_bits;
     const std::int64_t near = std::clamp(error, -far, far),
                        by = rate.raw >> (Real::fraction_bits - rate_bits);
-    // 2^35 times 2^27; with substeps shorter than half a millisecond rates are beyond that.
+    // 2^35 times 2^27. With substeps shorter than half a millisecond the rate exceeds that.
     const std::int64_t wanted = by < std::int64_t{1} << 27 ? shift_right_rounded(near * by, shift)
                                                            : narrow_rounded(Wide::product(near, by), shift);
     return std::clamp<std::int64_t>(wanted, -most, most);
@@ -117,7 +116,7 @@ inline void add_rounded(std::int64_t (&v)[6], const std::int64_t (&sum)[6], int 
         for (int i = 0; i < 6; ++i) v[i] += (sum[i] >> shift) + ((sum[i] >> (shift - 1)) & 1);
 }
 
-/// v += sum of r p over the rows of a part: 29 bits times 31, three times. Returns the sizes of p, or-ed.
+/// v += sum of r p over the rows of a part: 29 bits times 31, three times. Returns all |p| combined by bitwise or.
 inline std::uint32_t push(const Row* rows, const std::int32_t* p, int count, Motion& m) {
     std::int64_t a[6] = {}, b[6] = {};
     std::uint32_t any = 0;
@@ -133,7 +132,7 @@ inline std::uint32_t push(const Row* rows, const std::int32_t* p, int count, Mot
     return any;
 }
 
-/// As push(), of rows that only turn.
+/// As push(), for rows without linear part.
 inline std::uint32_t push_turning(const Row* rows, const std::int32_t* p, int count, Motion& m) {
     std::int64_t a[3] = {}, b[3] = {};
     std::uint32_t any = 0;

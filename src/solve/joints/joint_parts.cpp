@@ -12,7 +12,7 @@ namespace lockstone::solve {
 Real twist_between(Quat a, Quat b, Real near) {
     const Quat q = conjugate(a) * b;
     const Real principal = atan2(to<Real>(q.x), to<Real>(q.w)) * 2, off = near - principal;
-    if (off < Real(3) && off > Real(-3)) return principal; // less than a half turn
+    if (off < Real(3) && off > Real(-3)) return principal; // off by less than a half turn
     const std::int64_t turns = floor_to_int(off / two_pi + half(Real(1)));
     return principal + two_pi * turns;
 }
@@ -51,11 +51,11 @@ namespace {
 constexpr int lever_bits = Length::fraction_bits;
 constexpr std::int64_t arm_max = std::int64_t{1} << 31;
 
-/// Of directions and of gradients: up to 8.
+/// Fraction bits of directions and of gradients, whose components are up to 8.
 constexpr int direction_bits = row_bits;
 
 struct Direction {
-    std::int64_t m[3]; ///< direction_bits, within 2^31
+    std::int64_t m[3]; ///< direction_bits, clamped to 2^31
 };
 
 Direction direction_of(Vec3 v) {
@@ -83,7 +83,7 @@ void arm_of(Vec3 lever, const Direction& d, std::int64_t out[3]) {
 
 Scaled3 as_scaled(const Direction& d) { return {{d.m[0], d.m[1], d.m[2]}, direction_bits}; }
 
-/// Pulls a point of each body along directions of its own.
+/// Row that pulls a point of each body; each body has its own direction.
 WideRow linear_row(const JointSide& a, Vec3 lever_a, Vec3 da, const JointSide& b, Vec3 lever_b, Vec3 db) {
     WideRow row{};
     std::int64_t arm[3];
@@ -102,7 +102,7 @@ WideRow linear_row(const JointSide& a, Vec3 lever_a, Vec3 da, const JointSide& b
     return row;
 }
 
-/// Turns each body about an axis of its own.
+/// Row that turns each body about its own axis.
 WideRow angular_row(const BodyInertia& a, Vec3 axis_a, const BodyInertia& b, Vec3 axis_b) {
     WideRow row{};
     if (a.moves) row.xa = turning(a, direction_of(axis_a).m, direction_bits);
@@ -132,9 +132,9 @@ RowValue point(const JointPlace& p, int i) {
     return {p.s[i], p.arc[i], linear_row(p.a, p.a.lever, -e, p.b, p.b.lever, e), e, true};
 }
 
-/// A lock of xB to the plane at right angles to `normal`; sign +: C = xB . normal. Its gradient xB x normal vanishes where xB
-/// points along the normal; a row made of the little that is left would spin the bodies without bound. That far off, the row turns xB
-/// back by the shorter way towards xA, about A's own axis.
+/// Lock of xB to the plane perpendicular to `normal`. With sign +: C = xB . normal. The gradient xB x normal vanishes
+/// if xB points along the normal, and a row built from a tiny gradient would spin the bodies without bound. Near that
+/// pose, the row turns xB back towards xA the shorter way, about A's own axis.
 RowValue plane(const JointPlace& p, int about, UnitVec3 normal, Real sign) {
     const UnitVec3 xa = p.a.axes.x, xb = p.b.axes.x;
     const Real near = decimal<Real>("0.7"), out = dot<Real>(xb, normal) * sign;
@@ -161,7 +161,8 @@ RowValue swing(const JointPlace& p) {
     return between(swing_between(p.a.axes, p.b.axes), n, p);
 }
 
-/// |v|^2 less its part along n, over `distance`: how a line's length curves when its end passes by.
+/// |v|^2 minus its part along n, over `distance`: the second derivative of a line's length when its end moves
+/// sideways.
 Real sideways(Vec3 v, Vec3 n, Real distance) {
     if (distance < decimal<Real>("0.001")) return {};
     const Vec3 across = v - n * dot(v, n);
@@ -185,7 +186,7 @@ RowValue pulley(const JointPlace& p) {
     const Real arc_a = dot(na, p.a.centripetal) + sideways(point_velocity(p.a), na, la);
     const Real arc_b = dot(nb, p.b.centripetal) + sideways(point_velocity(p.b), nb, lb);
     WideRow row = linear_row(p.a, p.a.lever, na, p.b, p.b.lever, nb);
-    // The ratio, up to 1000, would not fit into the directions: it is multiplied in after them.
+    // The ratio, up to 1000, does not fit into the directions, so it is multiplied in afterwards.
     for (Scaled3* v : {&row.db, &row.xb}) {
         for (int i = 0; i < 3; ++i) v->m[i] = narrow_rounded(Wide::product(v->m[i], ratio.raw), 44);
         v->fraction_bits -= 12;
@@ -215,7 +216,7 @@ RowValue rack(const JointPlace& p) {
     return {p.travel, Real{}, row, -xb * p.def->ratio, true};
 }
 
-/// lever x e for the three axes e of the world, with lever_bits, and what they turn.
+/// lever x e for the three world axes e, with lever_bits, and K^-1 times these arms.
 void point_arms(const JointSide& side, std::int64_t sign, Scaled3 d[3], Scaled3 x[3]) {
     std::int64_t r[3];
     for (int i = 0; i < 3; ++i)
@@ -239,7 +240,7 @@ void point_values(const JointPlace& p, RowValue out[3]) {
         out[i] = {p.s[i], p.arc[i], {d[0][i], x[0][i], d[1][i], x[1][i]}, world_axis(i), true};
 }
 
-/// Gradient (xA + xB) / (1 + xA . xB), kept below 8 near opposite axes.
+/// The gradient is (xA + xB) / (1 + xA . xB), kept below 8 near opposite axes.
 RowValue twist_value(Real twist, UnitVec3 xa, UnitVec3 xb, const BodyInertia& a, const BodyInertia& b) {
     const Real d = max(Real(1) + dot<Real>(xa, xb), decimal<Real>("0.015625"));
     const Vec3 axis = (to<Real>(xa) + to<Real>(xb)) / d;

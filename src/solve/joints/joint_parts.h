@@ -1,11 +1,12 @@
-// What each row of a joint measures: one function from where two frames are to an error and its Jacobian.
+// Measures of joint rows: functions from the poses of two frames to an error and its Jacobian.
 #pragma once
 
 #include "solve/joints/joint_rows.h"
 
 namespace lockstone::solve {
 
-/// What a row keeps, limits, drives or brakes. Axes are columns of the frames; s = pB - pA; w_AB = wB - wA.
+/// The quantity that a row locks, limits, drives or brakes. Axes are columns of the frames; s = pB - pA; w_AB = wB -
+/// wA.
 enum class RowKind : std::uint8_t {
     point_x,
     point_y,
@@ -32,32 +33,32 @@ enum class RowKind : std::uint8_t {
     rack,    ///< turn of A about its x - ratio * way of B along its x
 };
 
-/// One body of a joint, now.
+/// Present state of one body of a joint.
 struct JointSide {
     const BodyInertia* body;
     Vec3 anchor;   ///< origin of the frame, world [m]
     Vec3 lever;    ///< from the centre of mass, world [m]; within 128 m, zero for a body that does not move
     Quat rotation; ///< of the frame, world
-    Rotation axes; ///< its matrix
+    Rotation axes; ///< the same as a matrix
     Vec3 w;        ///< angular velocity [rad/s]
     Vec3 velocity; ///< of the centre of mass [m/s]
     Vec3 centripetal; ///< w x (w x lever) [m/s^2]
 };
 
-/// Where a joint is now.
+/// Present state of a joint.
 struct JointPlace {
     const JointDef* def;
     JointSide a, b;
     Vec3 s;                 ///< pB - pA [m]
     Vec3 arc;               ///< s'' of free motion, world axes [m/s^2]
-    Vec3 arc_in_a;          ///< of s along the axes of A's frame
+    Vec3 arc_in_a;          ///< s'' along the axes of A's frame, as A turns
     Real twist;             ///< unwrapped
-    Real travel;            ///< of gears and racks what they are out by
+    Real travel;            ///< accumulated error of gears and racks
     Vec3 target_error;      ///< rotation vector from the target, axes of A's frame
     Vec3 orientation_error; ///< 2 vec(qB qA^-1)
 };
 
-/// As operator* of vec.h, of unit quaternions: their sums need no clamping.
+/// As operator* of vec.h, for unit quaternions: sums need no clamping.
 inline Quat quat_product(Quat a, Quat b) {
     const std::int64_t ax = a.x.raw, ay = a.y.raw, az = a.z.raw, aw = a.w.raw;
     const auto one = [](std::int64_t sum) {
@@ -69,7 +70,7 @@ inline Quat quat_product(Quat a, Quat b) {
             one(aw * b.w.raw - ax * b.x.raw - ay * b.y.raw - az * b.z.raw)};
 }
 
-/// Kinds whose rows only turn bodies.
+/// True if rows of this kind have no linear part.
 constexpr bool only_turns(RowKind kind) { return kind >= RowKind::orientation_x && kind <= RowKind::swing; }
 
 struct RowValue {
@@ -81,21 +82,21 @@ struct RowValue {
 };
 
 RowValue row_value(RowKind kind, const JointPlace& place);
-/// Of twist, from where the x axes point.
+/// The value of a `twist` row, from the x axes of both frames.
 RowValue twist_value(Real twist, UnitVec3 xa, UnitVec3 xb, const BodyInertia& a, const BodyInertia& b);
-/// point_x, point_y and point_z at once.
+/// The values of point_x, point_y and point_z together.
 void point_values(const JointPlace& place, RowValue out[3]);
 
-/// 2 atan2(x, w) of qA^-1 qB, the whole turns chosen nearest to `near`.
+/// 2 atan2(x, w) of qA^-1 qB, plus the whole turns that bring it nearest to `near`.
 Real twist_between(Quat a, Quat b, Real near);
-/// 2 vec(qB qA^-1), the shorter way round.
+/// 2 vec(qB qA^-1), the shorter way round
 Vec3 orientation_between(Quat a, Quat b);
-/// Rotation vector of qA^-1 qB target^-1.
+/// Rotation vector of qA^-1 qB target^-1
 Vec3 target_between(Quat a, Quat b, Vec3 target);
 /// atan2(-xB . zA, xB . xA) and atan2(xB . yA, xB . xA)
 Real angle_y_between(const Rotation& a, const Rotation& b);
 Real angle_z_between(const Rotation& a, const Rotation& b);
-/// The angle between the two x axes.
+/// Angle between the two x axes
 Real swing_between(const Rotation& a, const Rotation& b);
 
 } // namespace lockstone::solve

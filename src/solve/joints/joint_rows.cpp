@@ -35,7 +35,7 @@ Shares joint_shares(const BodyMass& a, const BodyStep& sa, const BodyMass& b, co
     if (!sa.movable && !sb.movable) return {none, none};
     if (!sa.movable) return {none, whole};
     if (!sb.movable) return {whole, none};
-    if (a.mass == b.mass) return {{1 << 29, 0}, {1 << 29, 0}}; // what division gives
+    if (a.mass == b.mass) return {{1 << 29, 0}, {1 << 29, 0}}; // equal to the result of the division
     const Real sum = a.mass + b.mass;
     return {share_of(b.mass, sum), share_of(a.mass, sum)};
 }
@@ -104,11 +104,11 @@ void set_responses(Row& row, const Shares& shares, const SolverBody& a, const So
 
 namespace {
 
-constexpr int k_bits = 46; ///< of k once its largest diagonal entry is in [1/2, 1)
-constexpr int l_bits = 36; ///< of L, of its inverse and of 1 / D
+constexpr int k_bits = 46; ///< fraction bits of k after scaling its largest diagonal entry to [1/2, 1)
+constexpr int l_bits = 36; ///< fraction bits of L, of its inverse and of 1 / D
 constexpr std::int64_t pivot_min = std::int64_t{1} << (k_bits - 26);
 
-/// j . r with 48 fraction bits: six products of 29 bits each way stay below 2^61.
+/// j . r with 48 fraction bits: six products of 29 bits each way stay below 2^61
 std::int64_t product(const Row& j, const Row& r) {
     std::int64_t a = 0, b = 0;
     for (int i = 0; i < 6; ++i) {
@@ -122,12 +122,12 @@ std::int64_t mul(std::int64_t a, std::int64_t b, int bits) {
     return narrow_rounded(Wide::product(a, b), bits);
 }
 
-/// 1 / d with l_bits, 0 for a pivot that is none.
+/// 1 / d with l_bits; 0 if d is below the smallest pivot
 std::int64_t pivot_inverse(std::int64_t d) {
     return d < pivot_min ? 0 : divide_shifted(std::int64_t{1} << k_bits, d, l_bits);
 }
 
-/// Mantissas of 30 bits with one exponent.
+/// Scales to mantissas of 30 bits with a common shift.
 Inverse with_common_shift(const std::int64_t m[6], int fraction_bits) {
     std::uint64_t any = 0;
     for (int i = 0; i < 6; ++i) any |= magnitude(m[i]);
@@ -171,7 +171,7 @@ static Stiffness stiffness(const Row* rows, int count) {
     return s;
 }
 
-/// k = L D L^T, for the parts that hardly move in some direction. source: Golub, Van Loan, Matrix Computations, 4.1
+/// k = L D L^T, for parts that can hardly move in some direction. source: Golub, Van Loan, Matrix Computations, 4.1
 static Inverse invert_by_pivots(Stiffness s, int count) {
     auto& k = s.k;
     const int drop = bit_length(magnitude(s.largest)) - k_bits;
@@ -201,7 +201,7 @@ static Inverse invert_by_pivots(Stiffness s, int count) {
     return with_common_shift(out, l_bits + drop - (48 - k_bits));
 }
 
-/// adjugate / determinant, both with 62 fraction bits, of k 2^(17 - drop); the determinant is at least 2^-18.
+/// adjugate / determinant, both with 62 fraction bits, of k 2^(17 - drop); the determinant is at least 2^-18
 static Inverse quotient(const std::int64_t adjugate[6], std::int64_t determinant, int drop) {
     const int length = bit_length(magnitude(determinant));
     const std::uint64_t q = // in (2^31, 2^32]
@@ -236,7 +236,7 @@ Inverse invert_turning(const Row* rows, int count) {
 
 Inverse invert(const Stiffness& s, int count) {
     if (s.largest == 0) return {};
-    // Cramer's rule on 31 bits, where the determinant is large enough to keep most of them.
+    // Cramer's rule on 31 bits, if the determinant is large enough to keep most of them.
     constexpr std::int64_t determinant_min = std::int64_t{1} << 44;
     const int drop = bit_length(magnitude(s.largest)) - 31;
     const std::int64_t a = shifted(s.k[0][0], drop), b = shifted(s.k[1][0], drop),

@@ -11,7 +11,7 @@ namespace lockstone::solve {
 
 namespace {
 
-/// As push(), and keeps the velocities within what rows can read.
+/// As push(), then clamps the velocities to the range that rows can read.
 template <class Now> void push_clamped(const Row* rows, const std::int32_t* p, int count, Motion& m) {
     std::uint32_t any;
     if constexpr (std::is_same_v<Now, Turning>)
@@ -31,7 +31,7 @@ std::int64_t times_unit(std::int64_t x, Unit scale) {
     return shift_right_rounded(x * scale.raw, Unit::fraction_bits);
 }
 
-/// Solves a block: softly with bias, rigidly without. Now: Speeds, or Turning where the rows only turn.
+/// Solves a block: softly with bias, rigidly without. Now: Speeds, or Turning for rows without linear part.
 template <class Now>
 void solve_block(JointBlock& block, Motion& m, const StepConstants& step, bool bias, std::uint64_t& clamped) {
     std::int64_t speed[3] = {};
@@ -58,7 +58,8 @@ void solve_block(JointBlock& block, Motion& m, const StepConstants& step, bool b
 
 // ---- axes ---------------------------------------------------------------------------------------------------------
 
-/// The impulses of an axis, one after another along the same row. `point`: of the same joint, which motors and limits take along.
+/// Solves the impulses of an axis in sequence, along the same row. `point`: point of the same joint, which motors and
+/// limits include.
 template <class Now> struct AxisPass {
     const JointAxisPart& part;
     Motion& m;
@@ -78,7 +79,7 @@ template <class Now> struct AxisPass {
         return std::clamp<std::int64_t>(shifted(inverse.m[0] * speed, inverse.shift), -impulse_change_max,
                                         impulse_change_max);
     }
-    /// The change to `wanted`, within bounds; zero: there is none.
+    /// Sets `p` to `wanted` clamped to the bounds, and returns the change.
     std::int32_t change_to(std::int32_t& p, std::int64_t wanted, std::int64_t low, std::int64_t high) {
         const std::int32_t next = bounded(wanted, low, high), change = next - p;
         if (change != 0 && next != wanted && (next == joint_impulse_max || next == -joint_impulse_max))
@@ -97,8 +98,9 @@ template <class Now> struct AxisPass {
             p - times_unit(change, part.mass_scale) - times_unit(p, part.impulse_scale);
         push(change_to(p, wanted, -part.spring_bound, part.spring_bound));
     }
-    /// Towards the speed -bias. At a bound, where the axis asks for more of it, there is nothing to do. What is beyond its limit is pushed back
-    /// as by the axis alone: arms on arms gain energy where they are pushed as hard as they are stopped.
+    /// Drives the speed towards -bias. Returns early if the impulse is at a bound and the speed would push it
+    /// further. If a limit is exceeded, the push back uses the axis without the point: arms on arms gain energy if
+    /// they are pushed as hard as they are stopped.
     void lead(std::int32_t& p, std::int64_t bias, std::int64_t low, std::int64_t high) {
         if ((p <= low && speed + bias >= 0) || (p >= high && speed + bias <= 0)) return;
         if (!point.exists())
@@ -125,7 +127,7 @@ template <class Now> struct AxisPass {
 template <class Now>
 void solve_axis(JointAxisPart& part, JointPoint point, Motion& m, bool bias, std::uint64_t& clamped) {
     AxisPass<Now> pass(part, point, bias, m, clamped);
-    // A spring gives its impulse once a substep; relaxing takes nothing of it back.
+    // A spring applies its impulse once per substep; the relaxation does not change it.
     if ((part.features & has_spring) != 0 && bias) pass.spring(part.spring);
     if (part.features & has_motor) pass.motor(part.motor);
     if (part.features & has_lower) pass.lower(part.lower);
@@ -136,9 +138,9 @@ void solve_axis(JointAxisPart& part, JointPoint point, Motion& m, bool bias, std
 
 namespace {
 
-/// Speeds about the axes of both bodies alone. False: some are to be clamped first.
+/// Reads only the angular velocities of both bodies. Returns false if some have to be clamped first.
 bool read_turning(const SolverBody& a, const SolverBody& b, Motion& m) {
-    std::uint64_t any = 0; // as clamp_motion()
+    std::uint64_t any = 0; // see clamp_motion()
     for (int i = 3; i < 6; ++i) {
         m.a[i] = a.u[i - 3], m.b[i] = b.u[i - 3];
         any |=
@@ -150,7 +152,7 @@ void write(const Motion& m, const JointWork& w, SolverBodies& bodies) {
     if (w.a.moved) write(m.a, bodies.body[w.a.body]);
     if (w.b.moved) write(m.b, bodies.body[w.b.body]);
 }
-/// Whether an axis has nothing but limits, which carry no impulse and get none in this pass.
+/// True if an axis has only limits, without an impulse and too far away to get one in this pass.
 bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody& b, bool bias) {
     if (part.idle) return true;
     if (!part.turns || (part.features & (has_spring | has_motor)) != 0 || (part.lower | part.upper) != 0)
@@ -167,7 +169,7 @@ bool has_locks(const JointTick& tick, const JointWork& w) {
     return w.block_count != 0 && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
 }
 
-/// Solves one joint: its axes, and the locks that neither a tree nor a pack solves.
+/// Solves one joint outside packs: its axes, and its locks if no tree solves them.
 void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
                 bool bias, std::uint64_t& clamped) {
     const bool locks = has_locks(tick, w);
@@ -201,13 +203,13 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
 void set_acting(JointTick& tick, const JointWork& w) {
     const auto i = static_cast<std::size_t>(&w - tick.joints.data());
     const JointAxisPart* const axes = tick.axes.data() + w.first_axis;
-    std::uint8_t acts = w.block_count != 0 ? 1 : 0; // warm starts give what trees solve as well
+    std::uint8_t acts = w.block_count != 0 ? 1 : 0; // warm starts apply the impulses of trees as well
     for (std::uint32_t k = 0; k < w.axis_count; ++k)
         if (!axes[k].idle) acts = 1;
     tick.acts[i] = acts;
 }
 
-/// visit(step) in order, or in the reverse order, those of different strands at the same time.
+/// Calls visit(step) in forward or reverse order. With workers, steps of different strands run in parallel.
 template <class Visit>
 static void for_each_step(const JointTick& tick, Tasks* tasks, bool forwards, const Visit& visit) {
     const std::size_t count = tick.steps.size();
@@ -227,7 +229,7 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
     const std::uint8_t* const all_acts = tick.acts.data();
     const std::uint32_t pass = tick.counter.next_pass();
     for_each_step(tick, tasks, bias,
-                  [&](const JointStep& now) { // the relaxing pass runs in the reverse order
+                  [&](const JointStep& now) { // the relaxation runs in reverse order
                       count_step(tick, now, pass, bias);
                       std::uint64_t clamped = 0;
                       for (std::uint32_t i = now.first_single; i < now.last_single; ++i) {

@@ -22,7 +22,7 @@ CutVector cut(const std::int64_t (&v)[3], int bits) {
 }
 CutVector cut(Vec3 v) { return cut({v.x.raw, v.y.raw, v.z.raw}, Real::fraction_bits); }
 
-/// R^T v, which is no longer than v.
+/// R^T v, not longer than v
 CutVector turned_back(const Rotation& r, const CutVector& v) {
     const auto along = [&](const UnitVec3& e) {
         return (e.x.raw * v.m[0] + e.y.raw * v.m[1] + e.z.raw * v.m[2]) >> Unit::fraction_bits;
@@ -30,7 +30,8 @@ CutVector turned_back(const Rotation& r, const CutVector& v) {
     return {{along(r.x), along(r.y), along(r.z)}, v.bits};
 }
 
-/// h^2 / m, mantissa / 2^bits: the mantissa from 2^30 to 2^31. With rates up to 2^15 substeps a second, m rate^2 has 62 bits.
+/// h^2 / m as mantissa / 2^bits, the mantissa from 2^30 to 2^31. For rates up to 2^15 substeps a second, m rate^2 has
+/// 62 bits.
 struct Reciprocal {
     std::int64_t mantissa;
     int bits;
@@ -43,12 +44,12 @@ Reciprocal push_of(Real mass, std::int64_t rate) {
     return {static_cast<std::int64_t>(q >> 1), 62 + drop - up};
 }
 
-/// A size, mantissa 2^exponent: the mantissa has 16 bits, or is zero.
+/// A nonnegative number, mantissa 2^exponent: the mantissa has 16 bits, or is zero.
 struct Size {
     std::int64_t mantissa;
     int exponent;
 };
-/// `v` 2^-bits, no more than it.
+/// `v` 2^-bits, rounded down
 Size size_of(std::uint64_t v, int bits) {
     const int drop = bit_length(v) - 16;
     return {static_cast<std::int64_t>(drop > 0 ? v >> drop : v << -drop), drop - bits};
@@ -82,14 +83,14 @@ bool is_too_weak(Vec3 f, Vec3 r, Real k, Real mass, std::int64_t rate) {
     const Size a = length_of(f), b = length_of(r), right = resistance_of(k, mass, rate);
     const std::int64_t left = a.mantissa * b.mantissa << 5;
     const int apart = right.exponent - a.exponent - b.exponent;
-    // Both are below 2^40, and that of `right` is above 2^27.
+    // Both mantissas are below 2^40, and that of `right` is above 2^27.
     return apart >= 0 ? apart > 12 || left < right.mantissa << apart
                       : apart >= -40 && left < right.mantissa >> -apart;
 }
 
 std::uint64_t weak_force(Vec3 r, Real k, Real mass, std::int64_t rate) {
     const Size b = length_of(r), right = resistance_of(k, mass, rate);
-    // Less by a 128th: what is_too_weak() rounds up is a 2^15th, and a step of a number above 2^35.
+    // 1 / 128 smaller: is_too_weak() rounds up by 2^-15 and by one unit of a number above 2^35.
     const auto least = static_cast<std::uint64_t>(right.mantissa - (right.mantissa >> 7));
     const std::uint64_t force = (least << 28) / static_cast<std::uint64_t>(b.mantissa);
     const int up = right.exponent - b.exponent + Real::fraction_bits - 28 - 5;
@@ -116,8 +117,8 @@ void find_weak_forces(std::span<Joint> joints, const BodyColumns& columns, const
 
 namespace {
 
-/// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
-/// `strong`: it is known that it can.
+/// Adds h^2 ((r . f) 1 - r f^T) / m of one side, the diagonal in principal axes [m^2]. Returns false if the pull is
+/// too weak to matter. `strong`: the caller knows that it is not.
 bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place, bool strong,
               const StepConstants& step, Vec3& pull) {
     const BodyMass& mass = columns.mass[row];
@@ -132,7 +133,7 @@ bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 pl
     const CutVector r = turned ? turned_back(to_rotation(mass.principal), lever) : lever;
     const Reciprocal push = push_of(mass.mass, step.substeps_per_second);
     for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3; // r . f less the part along the axis: 61 bits, twice
+        const int j = (i + 1) % 3, k = (i + 2) % 3; // r . f minus the part along the axis: 61 bits, twice
         const std::int64_t across = (r.m[j] * f.m[j] + r.m[k] * f.m[k]) >> 31;
         const int bits = r.bits + f.bits - 31 + push.bits;
         pull[i] += Real::from_raw(shifted(across * push.mantissa, bits - Real::fraction_bits));
@@ -140,7 +141,8 @@ bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 pl
     return true;
 }
 
-/// (k^2 + s)^(1/2), s twice the pull, beyond a quarter of k^2: the pull is that of the last tick, and in this one grows.
+/// (k^2 + s)^(1/2) with s = twice the pull minus a quarter of k^2, if positive. The factor 2 is there because the
+/// pull is that of the last tick and may grow in this one.
 Real stiffened(Real k, Real pull) {
     const Real own = k * k, more = pull + pull - Real::from_raw(shift_right_rounded(own.raw, 2));
     return more > Real{} ? sqrt(own + more) : k;
@@ -161,7 +163,7 @@ namespace {
 
 constexpr std::uint32_t stiffness_chunk = 64;
 
-/// What joint `i` adds to the pulls of its bodies: visit(row, pull).
+/// Calls visit(row, pull) for each body that joint `i` pulls at.
 template <class Visit>
 void pull_of(std::span<const Joint> joints, std::size_t i, std::span<const JointMemory> memory,
              const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
@@ -197,7 +199,7 @@ void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> 
     if (by_one) {
         for (std::size_t i = 0; i < joints.size(); ++i)
             pull_of(joints, i, memory, columns, step, bodies, add);
-    } else { // joints pull at the same bodies: found by workers, and added by one
+    } else { // joints share bodies: workers compute the pulls, and one thread adds them
         using Pulls = SolverBodies::JointPulls;
         bodies.joint_pulls.resize(count);
         base::for_all_chunks(

@@ -11,25 +11,25 @@ namespace lockstone::solve {
 
 namespace {
 
-/// A strand is worth a worker from so many joints on, of which so many are in a stage.
+/// Least number of joints per strand, and of joints per stage, for which several workers pay off.
 constexpr std::size_t strand_joints_least = 64, stage_joints_least = 16;
 constexpr std::uint32_t joint_strands_max = 8;
 
-/// Where a joint is, or near it.
+/// Position of a body that the joint moves, or zero.
 Vec3 place_of(const JointTick& tick, const JointWork& w) {
     const JointWorkSide& side = w.a.moved ? w.a : w.b;
     return side.moved ? tick.pose[side.body].position : Vec3{};
 }
 
-/// Pieces by walking over the steps, which are numbered from the front or from the back.
+/// Builds the pieces of one pass. `step_at` maps the position in the pass to the step: forward or in reverse.
 template <class StepAt>
 void plan_pass(JointTick& tick, std::uint32_t strands, const StepAt& step_at, base::StrandPlan& plan) {
     plan.clear();
     plan.strands = strands;
     tick.last_piece.assign(tick.bodies.size(),
-                           0); // by body: strand and number from one on, of the last piece that moves it
+                           0); // by body: strand and number (from 1) of the last piece that moves it
     std::uint32_t seen[joint_strands_max][joint_strands_max] =
-        {}; // so many pieces of the second the first has waited for
+        {}; // [a][b]: number of pieces of strand b that strand a has waited for
     for (std::uint32_t k = 0; k < tick.steps.size(); ++k) {
         const std::uint32_t at = step_at(k);
         const JointStep& step = tick.steps[at];
@@ -60,8 +60,8 @@ void plan_pass(JointTick& tick, std::uint32_t strands, const StepAt& step_at, ba
 
 } // namespace
 
-/// A strand has whole islands of joints, in their order: few packs have joints of two strands. False where an island is so large that strands would
-/// not be alike.
+/// Assigns whole islands of joints to strands, in order, so that few packs contain joints of two strands. Returns
+/// false if an island is so large that the strands would be unequal.
 static bool share_out_islands(JointTick& tick, std::uint32_t strands) {
     std::vector<std::uint32_t>& parent = tick.last_piece;
     base::start_sets(parent, tick.bodies.size());
@@ -70,7 +70,7 @@ static bool share_out_islands(JointTick& tick, std::uint32_t strands) {
     const auto island_of = [&](const JointWork& w) {
         return base::root_of(parent, w.a.moved ? w.a.cache : w.b.cache);
     };
-    std::vector<std::uint32_t>& count_of = tick.last_stage; // joints of an island, by root; then its strand
+    std::vector<std::uint32_t>& count_of = tick.last_stage; // by root: joints of the island; later its strand
     count_of.assign(tick.bodies.size(), 0);
     std::uint32_t most = 0;
     for (const JointWork& w : tick.joints)
@@ -114,7 +114,7 @@ std::uint32_t share_out(JointTick& tick, std::uint32_t stage_count, std::uint32_
 void find_borders(JointTick& tick) {
     constexpr std::uint32_t several = 0xffffffffu;
     std::vector<std::uint32_t>& strand_of =
-        tick.last_piece; // by body: one more than the strand that moves it, or several
+        tick.last_piece; // by body: strand that moves it + 1, or `several`
     strand_of.assign(tick.bodies.size(), 0);
     const auto for_moved = [&](const JointWork& w, auto&& visit) {
         for (const JointWorkSide* side : {&w.a, &w.b})
@@ -137,7 +137,7 @@ void plan_strands(JointTick& tick, std::uint32_t strands) {
                         stages = static_cast<std::uint32_t>(tick.steps.size()) / of_stage;
     plan_pass(
         tick, strands, [](std::uint32_t k) { return k; }, tick.down);
-    // Stages backwards; of each, border steps come first as well.
+    // Stages in reverse order; within a stage, border steps come first here too.
     plan_pass(
         tick, strands, [&](std::uint32_t k) { return (stages - 1 - k / of_stage) * of_stage + k % of_stage; },
         tick.up);
@@ -145,7 +145,7 @@ void plan_strands(JointTick& tick, std::uint32_t strands) {
 
 namespace {
 
-/// A step's joints, each once, in the order of the list: the joints of its packs and its singles.
+/// The joints of a step without duplicates, sorted: those of its packs and its singles.
 CheckVector<std::uint32_t> joints_of(const JointTick& tick, const JointStep& step) {
     CheckVector<std::uint32_t> joints(tick.singles.begin() + step.first_single,
                                       tick.singles.begin() + step.last_single);
@@ -159,7 +159,8 @@ CheckVector<std::uint32_t> joints_of(const JointTick& tick, const JointStep& ste
 
 std::uint32_t moved_body(const JointWorkSide& side) { return side.moved ? side.body : no_body; }
 
-/// Joints as a pass solves them. Backwards the last joint of the list has rank 0; `item` gives the number of a step.
+/// Joints as a pass solves them. In reverse the last joint of the list has rank 0. `item` returns the number of a
+/// step.
 template <class Item>
 CheckVector<Solved> solved_in_steps(const JointTick& tick, bool forwards, const Item& item) {
     CheckVector<Solved> solved;
@@ -172,7 +173,7 @@ CheckVector<Solved> solved_in_steps(const JointTick& tick, bool forwards, const 
     return solved;
 }
 
-/// Two trees that move one body; trees are solved in any order.
+/// Describes a body that belongs to two trees, which may not happen, since trees are solved in any order.
 std::string tree_fault(const JointTick& tick) {
     const JointForest& f = tick.forest;
     CheckVector<std::uint32_t> bodies;

@@ -1,11 +1,11 @@
-// Compiled with the flags of its instruction set where the target is x86.
+// The kernels for AVX-512, compiled with the flags of this instruction set where the target is x86.
 #include "lockstone/compiler.h"
 
 #if LOCKSTONE_HAS_X86
 
 #if LOCKSTONE_GNU && !defined(__clang__)
 #pragma GCC diagnostic ignored                                                                               \
-    "-Wuninitialized" // in the intrinsics of g++ 12: what a mask of all lanes leaves of a vector
+    "-Wuninitialized" // in the intrinsics of g++ 12: the part of a vector that a mask of all lanes leaves
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 

@@ -1,4 +1,4 @@
-// Every AArch64 has NEON; its intrinsics count lanes otherwise where bytes are big-endian.
+// The kernels for NEON, which every AArch64 has. With big-endian bytes its intrinsics number lanes differently.
 #include "lockstone/compiler.h"
 
 #if LOCKSTONE_HAS_NEON

@@ -1,4 +1,4 @@
-// Compiled with the flags of its instruction set where the target is x86.
+// The kernels for SSE4.1, compiled with the flags of this instruction set where the target is x86.
 #include "lockstone/compiler.h"
 
 #if LOCKSTONE_HAS_X86

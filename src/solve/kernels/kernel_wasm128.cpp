@@ -1,4 +1,4 @@
-// Of modules that are compiled with vectors (-msimd128): others do not load where there are none.
+// The kernels for 128-bit vectors of WebAssembly (-msimd128). Modules with vectors do not load in engines without them.
 #include "lockstone/compiler.h"
 
 #if LOCKSTONE_HAS_WASM128

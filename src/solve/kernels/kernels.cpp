@@ -7,7 +7,8 @@ namespace lockstone::solve {
 const Kernels* kernels_of(Simd level) {
     if (!has_simd(level)) return nullptr;
 #if LOCKSTONE_HAS_X86
-    // Packs of joints have four lanes, bodies six velocities and axes nine numbers, so AVX-512 has nothing to add there.
+    // Packs of joints have four lanes, bodies have six velocities, and axes have nine numbers, so AVX-512 adds nothing
+    // there.
     static constexpr Kernels avx512{&avx512_contacts, &avx2_joints,  &avx2_bodies,
                                     &avx512_pairs,    &avx512_hulls, &avx2_bounds},
         avx2{&avx2_contacts, &avx2_joints, &avx2_bodies, &avx2_pairs, &avx2_hulls, &avx2_bounds},

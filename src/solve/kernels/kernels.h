@@ -1,4 +1,4 @@
-// The passes over bodies, contacts and joints that this build has, by instruction set; each set in a file of its own, kernel_*.cpp.
+// The tables of kernels of this build, by instruction set. Each set has a file of its own, kernel_*.cpp.
 #pragma once
 
 #include "collide/bounds_kernel.h"
@@ -21,7 +21,7 @@ struct Kernels {
     const collide::BoundsKernel* bounds;
 };
 
-/// Null where the build or the machine lacks the instructions.
+/// Returns null where the build or the machine lacks the instructions.
 const Kernels* kernels_of(Simd level);
 
 extern const ContactKernel scalar_contacts, sse41_contacts, avx2_contacts, avx512_contacts, neon_contacts,

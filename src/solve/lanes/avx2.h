@@ -1,4 +1,4 @@
-// Four lanes by AVX2. See scalar.h for what each operation means.
+// Four lanes by AVX2. See scalar.h for the meaning of each operation.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,8 @@ struct Avx2 {
     static V shift_left_by(V x, V by) { return _mm256_sllv_epi64(x, by); }
     template <int S> static V shift_left(V x) { return _mm256_slli_epi64(x, S); }
     static V shift_right_logical_by(V x, V by) { return _mm256_srlv_epi64(x, by); }
-    static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
+    // flips the sign bit, so that no value is negative, and subtracts it again
+    static V shift_right_by(V x, V by) {
         const V sign = _mm256_set1_epi64x(INT64_MIN);
         return _mm256_sub_epi64(_mm256_srlv_epi64(_mm256_xor_si256(x, sign), by),
                                 _mm256_srlv_epi64(sign, by));
@@ -51,7 +52,7 @@ struct Avx2 {
         return _mm256_shuffle_epi32(_mm256_cmpgt_epi32(a, b), _MM_SHUFFLE(2, 2, 0, 0));
     }
     static V greater64(V a, V b) { return _mm256_cmpgt_epi64(a, b); }
-    /// By doubles: of bytes, g++ 12 compares a mask that serves twice with zero before it chooses by it.
+    /// Blends doubles: with a blend of bytes, g++ 12 compares a mask that is used twice with zero first.
     static V select(V mask, V a, V b) {
         return _mm256_castpd_si256(
             _mm256_blendv_pd(_mm256_castsi256_pd(b), _mm256_castsi256_pd(a), _mm256_castsi256_pd(mask)));
@@ -63,12 +64,12 @@ struct Avx2 {
         return static_cast<unsigned>(_mm256_movemask_pd(_mm256_castsi256_pd(mask)));
     }
 
-    /// Reads them as a row of four and one of two, and transposes those.
+    /// Reads the numbers of a body as a row of four and a row of two, and transposes the rows.
     template <class Body> static void gather6(const Body* const* p, V* out) {
         transpose(load64(words(p[0])), load64(words(p[1])), load64(words(p[2])), load64(words(p[3])), out);
         halves(p, 4, out + 4);
     }
-    /// Moves and turns since the start of the tick: six numbers of 32 bits behind the velocities.
+    /// Moves and turns since the start of the tick: six numbers of 32 bits after the velocities.
     template <class Body> static void gather_motion(const Body* const* p, V* out) {
         V pair[2];
         halves(p, 6, pair);
@@ -110,7 +111,7 @@ struct Avx2 {
     static __m128i load_row(const std::int32_t* p) {
         return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
     }
-    /// The low halves of a and of b, in the low and the high half.
+    /// The low half of a in the low half, and the low half of b in the high half.
     static V joined(V a, V b) { return _mm256_blend_epi32(a, shift_left<32>(b), 0xaa); }
     template <class Body> static const std::int64_t* words(const Body* p) {
         return reinterpret_cast<const std::int64_t*>(p);

@@ -1,7 +1,7 @@
-// Eight lanes by AVX-512 (F, DQ, VL). See scalar.h for what each operation means.
+// Eight lanes by AVX-512 (F, DQ, VL). See scalar.h for the meaning of each operation.
 //
-// It takes nothing from avx2.h: of an inline function that both used the linker would keep one copy, with instructions that
-// a machine of the other set may lack.
+// This file includes no part of avx2.h: the linker would keep one copy of an inline function that both use, with
+// instructions that a machine with the other set may lack.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ struct Avx512 {
 
     static V max32(V a, V b) { return _mm512_max_epi32(a, b); }
     static V min32(V a, V b) { return _mm512_min_epi32(a, b); }
-    static V greater32(V a, V b) { // the high halves are anything, so the low ones are moved there
+    static V greater32(V a, V b) { // the high halves are undefined, so the low halves move there
         return mask_of(_mm512_cmpgt_epi64_mask(_mm512_slli_epi64(a, 32), _mm512_slli_epi64(b, 32)));
     }
     static V greater64(V a, V b) { return mask_of(_mm512_cmpgt_epi64_mask(a, b)); }
@@ -50,14 +50,14 @@ struct Avx512 {
     static V without(V a, V b) { return _mm512_andnot_si512(b, a); }
     static unsigned lanes_of(V mask) { return _mm512_movepi64_mask(mask); }
 
-    /// Reads them as rows of four and of two and transposes those, four bodies at a time.
+    /// Reads the numbers of a body as a row of four and a row of two, and transposes the rows, four bodies at a time.
     template <class Body> static void gather6(const Body* const* p, V* out) {
         Half low[6], high[6];
         gather_half(p, low);
         gather_half(p + 4, high);
         for (int i = 0; i < 6; ++i) out[i] = joined(low[i], high[i]);
     }
-    /// Moves and turns since the start of the tick: six numbers of 32 bits behind the velocities.
+    /// Moves and turns since the start of the tick: six numbers of 32 bits after the velocities.
     template <class Body> static void gather_motion(const Body* const* p, V* out) {
         for (int i = 0; i < 3; ++i) {
             const V pair = _mm512_set_epi64(words(p[7])[6 + i], words(p[6])[6 + i], words(p[5])[6 + i],
@@ -118,7 +118,7 @@ struct Avx512 {
         out[4] = _mm256_unpacklo_epi64(ac, bd);
         out[5] = _mm256_unpackhi_epi64(ac, bd);
     }
-    /// Lanes 4 Which to 4 Which + 3, to the bodies at p[0] ... p[3].
+    /// Writes lanes 4 Which to 4 Which + 3 to the bodies at p[0] ... p[3].
     template <int Which, class Body> static void scatter_half(Body* const* p, const V* x) {
         Half part[6], row[4];
         for (int i = 0; i < 6; ++i) part[i] = _mm512_extracti64x4_epi64(x[i], Which);

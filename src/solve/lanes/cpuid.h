@@ -1,4 +1,4 @@
-// What an x86 processor says of itself, for compilers that have no function for it.
+// The instruction sets that an x86 processor reports, for compilers without a function for it.
 #pragma once
 
 #include "lockstone/simd.h"
@@ -7,17 +7,18 @@
 
 namespace lockstone::solve {
 
-/// Registers after the instructions CPUID and XGETBV. The last two are 0 where the processor has no such leaf, or no XGETBV.
+/// Registers after the instructions CPUID and XGETBV. The last two are 0 where the processor has no leaf 7, or no
+/// XGETBV.
 struct CpuidWords {
     std::uint32_t leaf1_ecx = 0;
     std::uint32_t leaf7_ebx = 0;
-    std::uint32_t kept = 0; ///< XCR0: the registers that the system keeps for each thread
+    std::uint32_t kept = 0; ///< XCR0: the registers that the operating system saves for each thread
 };
 
-/// Does leaf 1 say that there is XGETBV, and that the system uses it?
+/// True if leaf 1 reports XGETBV, and that the operating system uses it.
 constexpr bool has_xgetbv(std::uint32_t leaf1_ecx) { return (leaf1_ecx >> 27 & 1) != 0; }
 
-/// Instructions that the processor has, on registers that the system keeps.
+/// True if the processor has the instructions, and the operating system saves their registers.
 /// source: Intel 64 and IA-32 Architectures Software Developer's Manual, vol. 1, 12.13 (SSE4.1), 14.7.1 (AVX2), 15.2 (AVX-512)
 constexpr bool has_simd(const CpuidWords& words, Simd level) {
     const auto bit = [](std::uint32_t word, int at) { return (word >> at & 1) != 0; };

@@ -1,4 +1,4 @@
-// Numbers in lanes that carry their fraction bits in their type: what does not fit does not compile.
+// Numbers in lanes with their fraction bits in the type: formats that do not match do not compile.
 #pragma once
 
 #include <bit>
@@ -6,13 +6,13 @@
 
 namespace lockstone::solve {
 
-/// Whether an instruction set has 32-bit numbers side by side, and not in the low halves of lanes.
+/// True if an instruction set keeps 32-bit numbers side by side, and not in the low halves of lanes.
 template <class L>
 concept SideBySide = requires(typename L::V x) {
     L::packed(x);
 };
 
-/// 32-bit numbers from the low halves of lanes, and in lanes of which the high half is anything.
+/// packed(): 32-bit numbers from the low halves of lanes. spread(): the opposite; the high halves are undefined.
 template <class L> typename L::Low packed(typename L::V x) {
     if constexpr (!SideBySide<L>)
         return x;
@@ -25,8 +25,8 @@ template <class L> typename L::V spread(typename L::Low x) {
     else
         return L::spread(x);
 }
-/// Whole lanes of 32-bit numbers; and of those whose sign most instruction sets have in the high half already: from memory, and
-/// what was added or chosen of such.
+/// extended(): sign-extends the low halves of lanes to 64 bits. signed_lanes(): the same for numbers whose high half
+/// already holds the sign in most instruction sets: numbers from memory, and their sums and selections.
 template <class L> typename L::V extended(typename L::V x) {
     if constexpr (!SideBySide<L>)
         return L::mul(x, L::splat(1));
@@ -62,7 +62,7 @@ template <class L, int F> struct LaneFixed {
             return {L::splat_low(x)};
     }
     void store(std::int32_t* p) const { L::store32(p, raw); }
-    typename L::V lanes() const { return spread<L>(raw); } ///< of which the high half is anything
+    typename L::V lanes() const { return spread<L>(raw); } ///< the high halves are undefined
 };
 
 /// A sum of products with F fraction bits, 64 bits a lane.
@@ -76,7 +76,7 @@ template <class L, int F> struct LaneSum {
     void store64(std::int64_t* p) const { L::store64(p, raw); }
 };
 
-/// All ones in the lanes where something holds.
+/// All ones in the lanes where a condition holds.
 template <class L> struct LaneMask {
     typename L::Low raw;
 
@@ -108,24 +108,24 @@ template <class L, int F> LaneFixed<L, F> operator&(LaneFixed<L, F> a, LaneMask<
 template <class L, int F> LaneSum<L, F> operator&(LaneSum<L, F> a, LaneMask<L> mask) { return {L::both(a.raw, mask.whole())}; }
 template <class L, int F> LaneSum<L, F> select(LaneMask<L> mask, LaneSum<L, F> a, LaneSum<L, F> b) { return {L::select(mask.whole(), a.raw, b.raw)}; }
 template <class L, int F> LaneSum<L, F> operator-(LaneSum<L, F> a) { return {L::sub(L::splat(0), a.raw)}; }
-/// Of whole lanes: right where the product fits into 64 bits.
+/// The product of whole lanes; correct where it fits into 64 bits.
 template <class L, int F, int G> LaneSum<L, F + G> operator*(LaneSum<L, F> a, LaneSum<L, G> b) { return {L::mul64(a.raw, b.raw)}; }
-/// Right where the value fits into 32 bits.
+/// Correct where the value fits into 32 bits.
 template <class L, int F> LaneFixed<L, F> low(LaneSum<L, F> x) { return LaneFixed<L, F>::of(x.raw); }
 template <class L, int F> LaneSum<L, F> wide(LaneFixed<L, F> x) { return {extended<L>(x.lanes())}; }
 // clang-format on
 
-/// floor(x + 1/2) with G fraction bits: right where the result fits into 32 bits.
+/// floor(x + 1/2) with G fraction bits; correct where the result fits into 32 bits.
 template <int G, class L, int F> LaneFixed<L, G> rounded(LaneSum<L, F> x) {
     static_assert(F > G && F - G <= 32, "the shift keeps the low 32 bits of the result");
     return LaneFixed<L, G>::of(
         L::template shift_right<F - G>(L::add(x.raw, L::splat(std::int64_t{1} << (F - G - 1)))));
 }
-/// The exponent of the largest power of two that is not above a positive number.
+/// The exponent of the largest power of two that is at most x, for a positive x.
 template <class L> constexpr int power_within(std::int64_t x) {
     return 63 - std::countl_zero(static_cast<std::uint64_t>(x));
 }
-/// The same, shortened to `limit` of either sign.
+/// Like rounded(), clamped to [-limit, limit].
 template <int G, class L, int F> LaneFixed<L, G> rounded_within(LaneSum<L, F> x, std::int32_t limit) {
     if constexpr (requires { L::all_within(x.raw, 0); })
         if (L::all_within(x.raw, power_within<L>(std::int64_t{limit} << (F - G)))) [[likely]]
@@ -139,7 +139,7 @@ template <int G, class L, int F> LaneFixed<L, G> rounded_within(LaneSum<L, F> x,
 template <class L, int F> LaneFixed<L, F> clamp(LaneFixed<L, F> x, LaneFixed<L, F> limit) {
     return min(max(x, -limit), limit);
 }
-/// Within `limit` of either sign.
+/// Clamps to [-limit, limit].
 template <class L, int F> LaneSum<L, F> clamp(LaneSum<L, F> x, std::int64_t limit) {
     if constexpr (requires { L::all_within(x.raw, 0); })
         if (L::all_within(x.raw, power_within<L>(limit))) [[likely]]

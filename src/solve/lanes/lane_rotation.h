@@ -5,7 +5,8 @@
 
 namespace lockstone::solve {
 
-/// r[k][i] is component i of column k, to the bits of to_rotation(). True in the lanes of what is no rotation.
+/// The matrix of a quaternion, with the bits of to_rotation(): r[k][i] is component i of column k. Returns true in the
+/// lanes where q is no rotation.
 template <class L, class V = typename L::V> V rotation_of(const V (&q)[4], V (&r)[3][3]) {
     const auto half_of = [](int bits) { return L::splat(std::int64_t{1} << (bits - 1)); };
     const V &x = q[0], &y = q[1], &z = q[2], &w = q[3];

@@ -1,4 +1,4 @@
-// Two lanes by NEON, on AArch64. See scalar.h for what each operation means.
+// Two lanes by NEON, on AArch64. See scalar.h for the meaning of each operation.
 #pragma once
 
 #include "lockstone/compiler.h"
@@ -25,7 +25,7 @@ struct Neon {
     static V add(V a, V b) { return vaddq_s64(a, b); }
     static V sub(V a, V b) { return vsubq_s64(a, b); }
     static V mul(V a, V b) { return vmull_s32(vmovn_s64(a), vmovn_s64(b)); }
-    static V mul64(V a, V b) { // low halves crosswise, and low with low
+    static V mul64(V a, V b) { // the two cross products of halves, and the product of the low halves
         const uint32x2_t a_low = vmovn_u64(bits(a)), b_low = vmovn_u64(bits(b));
         const uint32x2_t a_high = vshrn_n_u64(bits(a), 32), b_high = vshrn_n_u64(bits(b), 32);
         const uint64x2_t cross = vmlal_u32(vmull_u32(a_high, b_low), a_low, b_high);
@@ -42,7 +42,7 @@ struct Neon {
 
     static V max32(V a, V b) { return vreinterpretq_s64_s32(vmaxq_s32(words32(a), words32(b))); }
     static V min32(V a, V b) { return vreinterpretq_s64_s32(vminq_s32(words32(a), words32(b))); }
-    static V greater32(V a, V b) { // what the low halves say, in both
+    static V greater32(V a, V b) { // copies the masks of the low halves to both halves
         const uint32x4_t greater = vcgtq_s32(words32(a), words32(b));
         return vreinterpretq_s64_u32(vtrn1q_u32(greater, greater));
     }

@@ -1,17 +1,17 @@
-// One lane: the plain integers that every instruction set has to agree with.
+// One lane of plain integers: the reference for every instruction set.
 #pragma once
 
 #include <cstdint>
 
 namespace lockstone::solve {
 
-/// The operations of an instruction set on N lanes of 64 bits. A 32-bit value lies in the low half of its lane and the high
-/// half is anything: products read the low half only, and the low half of a sum or of a logical shift depends on nothing
-/// above the bits that it keeps. So nothing is packed between a product and the next.
+/// The operations of an instruction set on N lanes of 64 bits. A 32-bit value is in the low half of its lane, and the
+/// high half is undefined: products read the low half only, and the low half of a sum or of a logical shift does not
+/// depend on higher bits. So a product needs no packing before the next one.
 struct Scalar {
     static constexpr unsigned lanes = 1;
     using V = std::int64_t;
-    /// Of 32-bit numbers: lanes, too, but where an instruction set wants them side by side
+    /// 32-bit numbers: also lanes, unless the instruction set keeps them side by side
     using Low = V;
 
     static V splat(std::int64_t x) { return x; }
@@ -19,12 +19,13 @@ struct Scalar {
     static void store32(std::int32_t* p, V x) { *p = static_cast<std::int32_t>(x); }
     static V load64(const std::int64_t* p) { return *p; }
     static void store64(std::int64_t* p, V x) { *p = x; }
-    /// Builds a vector from numbers computed lane by lane, without memory: a load of a vector waits for parts that were just stored.
+    /// Builds a vector from numbers computed lane by lane, without memory: a load of a vector would wait for the stores
+    /// of its parts.
     static V from_lanes(const std::int64_t (&x)[lanes]) { return x[0]; }
 
     static V add(V a, V b) { return signed_of(bits(a) + bits(b)); }
     static V sub(V a, V b) { return signed_of(bits(a) - bits(b)); }
-    /// Whole product of the low halves.
+    /// The whole product of the low halves.
     static V mul(V a, V b) {
         return std::int64_t{static_cast<std::int32_t>(a)} * static_cast<std::int32_t>(b);
     }
@@ -37,21 +38,21 @@ struct Scalar {
     static V shift_left_by(V x, V by) { return signed_of(bits(x) << by); }          ///< by lane, 0..63
     template <int S> static V shift_left(V x) { return signed_of(bits(x) << S); }
 
-    // Of the low halves; those of masks are all ones or zero.
+    // On the low halves; the halves of masks are all ones or zero.
     static V max32(V a, V b) { return low(a) < low(b) ? low(b) : low(a); }
     static V min32(V a, V b) { return low(b) < low(a) ? low(b) : low(a); }
     static V greater32(V a, V b) { return low(a) > low(b) ? -1 : 0; }
-    // Of whole lanes.
+    // On whole lanes.
     static V greater64(V a, V b) { return a > b ? -1 : 0; }
     static V select(V mask, V a, V b) { return (a & mask) | (b & ~mask); }
     static V both(V a, V b) { return a & b; }
     static V either(V a, V b) { return a | b; }
     static V without(V a, V b) { return a & ~b; } ///< a and not b
-    /// Bit per lane: is the mask set?
-    /// By the lowest bit, where x86 looks at the highest: what is no mask shows as other bits of the plain set.
+    /// Bit per lane: the mask is set. Reads the lowest bit, and x86 reads the highest one: so a value that is no mask
+    /// gives other bits in the scalar set.
     static unsigned lanes_of(V mask) { return static_cast<unsigned>(mask & 1); }
 
-    /// The first six numbers of 64 bits at each of p[0] ... p[lanes - 1]: velocities of bodies, entries of matrices.
+    /// The first six numbers of 64 bits at each of p[0] ... p[lanes - 1]: velocities of bodies, or entries of matrices.
     template <class Body> static void gather6(const Body* const* p, V* out) {
         const auto* const words = reinterpret_cast<const std::int64_t*>(p[0]);
         for (int i = 0; i < 6; ++i) out[i] = words[i];

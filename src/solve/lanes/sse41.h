@@ -1,4 +1,4 @@
-// Two lanes by SSE4.1. See scalar.h for what each operation means.
+// Two lanes by SSE4.1. See scalar.h for the meaning of each operation.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,8 @@ struct Sse41 {
     static V shift_right_logical_by(V x, V by) {
         return _mm_blend_epi16(_mm_srl_epi64(x, by), _mm_srl_epi64(x, _mm_unpackhi_epi64(by, by)), 0xf0);
     }
-    static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
+    // flips the sign bit, so that no value is negative, and subtracts it again
+    static V shift_right_by(V x, V by) {
         const V sign = _mm_set1_epi64x(INT64_MIN);
         return _mm_sub_epi64(shift_right_logical_by(_mm_xor_si128(x, sign), by),
                              shift_right_logical_by(sign, by));
@@ -50,11 +51,11 @@ struct Sse41 {
     static V max32(V a, V b) { return _mm_max_epi32(a, b); }
     static V min32(V a, V b) { return _mm_min_epi32(a, b); }
     static V greater32(V a, V b) { return _mm_shuffle_epi32(_mm_cmpgt_epi32(a, b), _MM_SHUFFLE(2, 2, 0, 0)); }
-    /// By the sign of b - a: the values that are compared are below 2^62.
+    /// Uses the sign of b - a: compared values are below 2^62.
     static V greater64(V a, V b) {
         return _mm_srai_epi32(_mm_shuffle_epi32(_mm_sub_epi64(b, a), _MM_SHUFFLE(3, 3, 1, 1)), 31);
     }
-    static V select(V mask, V a, V b) { // by doubles: see avx2.h
+    static V select(V mask, V a, V b) { // blends doubles: see avx2.h
         return _mm_castpd_si128(
             _mm_blendv_pd(_mm_castsi128_pd(b), _mm_castsi128_pd(a), _mm_castsi128_pd(mask)));
     }
@@ -93,7 +94,7 @@ struct Sse41 {
 
   private:
     static V load_row(const std::int32_t* p) { return _mm_loadu_si128(reinterpret_cast<const V*>(p)); }
-    /// The low halves of a and of b, in the low and the high half.
+    /// The low half of a in the low half, and the low half of b in the high half.
     static V joined(V a, V b) { return _mm_blend_epi16(a, shift_left<32>(b), 0xcc); }
     template <class Body> static const std::int64_t* words(const Body* p) {
         return reinterpret_cast<const std::int64_t*>(p);

@@ -1,8 +1,8 @@
-// Four lanes by pairs of the 128-bit vectors of WebAssembly. See scalar.h for what each operation means.
+// Four lanes by pairs of the 128-bit vectors of WebAssembly. See scalar.h for the meaning of each operation.
 //
-// Engines multiply 32-bit numbers that lie side by side: of two vectors, the low halves or the high halves. So they lie so here (`Low`), and
-// code that has them in lanes puts them side by side where it multiplies (`packed`). Shuffles are those of the compiler and no intrinsics: a
-// number that is spread and packed again costs nothing.
+// WebAssembly multiplies 32-bit numbers that are side by side: the low halves or the high halves of two vectors. So
+// `Low` keeps them side by side, and code that has them in lanes packs them (`packed`) where it multiplies. The
+// shuffles are those of the compiler, and not intrinsics: so spreading a number and packing it again costs nothing.
 #pragma once
 
 #include "lockstone/compiler.h"
@@ -32,7 +32,8 @@ struct Wasm128 {
     static V from_lanes(const std::int64_t (&x)[lanes]) { return {Two{x[0], x[1]}, Two{x[2], x[3]}}; }
     static void store64(std::int64_t* p, V x) { wasm_v128_store(p, x.low), wasm_v128_store(p + 2, x.high); }
 
-    /// The low halves of lanes, side by side; and numbers side by side in both halves of their lanes.
+    /// packed(): the low halves of lanes, side by side. spread(): numbers that are side by side, in both halves of
+    /// their lanes.
     static Low packed(V x) {
         return __builtin_shufflevector(reinterpret_cast<Low>(x.low), reinterpret_cast<Low>(x.high), 0, 2, 4,
                                        6);
@@ -57,7 +58,8 @@ struct Wasm128 {
     template <int S> static V shift_right(V x) {
         return {wasm_u64x2_shr(x.low, S), wasm_u64x2_shr(x.high, S)};
     }
-    template <int S> static V shift_right_signed(V x) { // x86 has none: the halves of a lane one by one
+    // x86 has no such instruction, so this shifts the halves of a lane one by one
+    template <int S> static V shift_right_signed(V x) {
         const auto shifted = [](Two two) -> Two {
             const Low signs = wasm_i32x4_shr(two, S < 32 ? S : 31);
             if constexpr (S < 32)
@@ -69,7 +71,8 @@ struct Wasm128 {
     template <int S> static V shift_left(V x) {
         return {wasm_i64x2_shl(x.low, S), wasm_i64x2_shl(x.high, S)};
     }
-    // Vectors are shifted by one count alone: so lane after lane, where lanes want other ones. Bodies of one kind want the same.
+    // WebAssembly shifts a vector by one count, so lanes with different counts are shifted one by one. Bodies of one
+    // kind have equal counts.
     static bool are_alike(V by) {
         const Two turned = __builtin_shufflevector(by.low, by.low, 1, 0);
         return !wasm_v128_any_true((by.low ^ by.high) | (by.low ^ turned));
@@ -104,7 +107,8 @@ struct Wasm128 {
     static Low greater32(Low a, Low b) { return wasm_i32x4_gt(a, b); }
     static V greater32(V a, V b) { return spread(greater32(packed(a), packed(b))); }
     static V greater64(V a, V b) { return {wasm_i64x2_gt(a.low, b.low), wasm_i64x2_gt(a.high, b.high)}; }
-    /// -2^k <= x < 2^k in all lanes: where numbers are rarely clamped, asking takes half of what clamping them takes.
+    /// True if -2^k <= x < 2^k in all lanes. Where numbers are rarely clamped, this test costs half as much as
+    /// clamping.
     static bool all_within(V x, int k) {
         const V from_least = add(x, splat(std::int64_t{1} << k));
         return !wasm_v128_any_true(
@@ -131,7 +135,7 @@ struct Wasm128 {
             out[i + 1] = {second_of(a, b), second_of(c, d)};
         }
     }
-    /// Six numbers of 32 bits behind the velocities.
+    /// Six numbers of 32 bits after the velocities.
     template <class Body> static void gather_motion(const Body* const* p, V* out) {
         const std::int32_t* front[lanes];
         Two back[lanes];
@@ -166,10 +170,12 @@ struct Wasm128 {
 
   private:
     static Two two_at(const std::int64_t* p) { return wasm_v128_load(p); }
-    /// Never; but clang does not know, and takes the factors of each product for new numbers. It would extend a factor of several products
-    /// once, ahead of their loop or branch, and then multiply whole lanes: eight instructions of x86 in place of three. Engines see that there
-    /// is no choice. `both`, of both factors, tells products apart: volatile assembly would do so too, but clang reads and writes memory anew
-    /// around it. What would be chosen is the other factor: a choice of zero is extended as if it were none.
+    /// Always false, but clang cannot infer that, so it treats the factors of each product as new numbers. Otherwise it
+    /// would extend a factor of several products once, ahead of their loop or branch, and then multiply whole lanes:
+    /// eight instructions of x86 in place of three. WebAssembly engines remove the selection. `both`, which depends on
+    /// both factors, makes products different from each other: volatile assembly would do so too, but around it clang
+    /// stores and loads memory again. The selection is between the two factors: a selection of zero would be extended
+    /// as if there were none.
     static bool is_turned(Low both) {
         std::int32_t nothing = 0;
         asm("" : "+r"(nothing) : "r"(both[0]));

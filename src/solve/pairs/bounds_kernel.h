@@ -1,7 +1,7 @@
-// Axes and bounds of turned capsules and boxes in lanes, written once over the lanes L: collide/bounds_kernel.h.
+// Axes and bounds of rotated capsules and boxes in lanes, written once over the lanes L; see collide/bounds_kernel.h.
 //
-// Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
-// too, since the linker keeps one of their copies.
+// Only files that are compiled for one instruction set include this. It must not use inline functions that other files
+// use too, since the linker keeps only one of their copies.
 #pragma once
 
 #include "collide/bounds_kernel.h"
@@ -15,12 +15,13 @@ template <class L> class PlacedBoxes {
     using Boxes = collide::RoundBoxes;
     static_assert(N <= Boxes::lanes_max && Boxes::lanes_max % N == 0 && Boxes::room % Boxes::lanes_max == 0);
 
-    /// |r half|, where half is not below zero.
+    /// |r half|; half is at least zero.
     static V along(V r, const std::int32_t* half) {
         const V product = L::mul(r, L::load32(half));
         return L::select(L::greater64(L::splat(0), product), L::sub(L::splat(0), product), product);
     }
-    /// How far it reaches along a world axis, `r` that axis in its own axes: as bounds_of(), in steps of Real.
+    /// The distance that a shape reaches along a world axis; (x, y, z) is that axis in the axes of the shape. Like
+    /// bounds_of(), in units of Real.
     static V reach(const Boxes& boxes, unsigned lane, V x, V y, V z) {
         constexpr int axis_bits = 30, finer = 8; // Real has 8 bits more than Length
         const V sum = L::add(L::add(along(x, &boxes.half[0][lane]), along(y, &boxes.half[1][lane])),
@@ -39,7 +40,7 @@ template <class L> class PlacedBoxes {
         L::store_quads(to, all);
         for (auto& at : to) at += 4;
         L::store_quads(to, all + 4);
-        for (auto& at : to) at += 1; // the last, with three once more
+        for (auto& at : to) at += 1; // the last number, with three numbers that are stored already
         L::store_quads(to, all + 5);
     }
     static void store_bounds(const Boxes& boxes, unsigned lane, const V (&bounds)[6]) {

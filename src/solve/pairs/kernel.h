@@ -1,8 +1,8 @@
-// Pairs of shapes in lanes, written once over the lanes L. See solve/pairs/pair_kernel.h for what goes in and comes out, and
-// solve/contacts/contact_memory.h for when a manifold serves again.
+// Pairs of shapes in lanes, written once over the lanes L. See solve/pairs/pair_kernel.h for the inputs and outputs,
+// and solve/contacts/contact_memory.h for the conditions of recycling a manifold.
 //
-// Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
-// too, since the linker keeps one of their copies.
+// Only files that are compiled for one instruction set include this. It must not use inline functions that other files
+// use too, since the linker keeps only one of their copies.
 #pragma once
 
 #include "solve/lanes/lane_fixed.h"
@@ -25,26 +25,26 @@ template <class L> class PairLanes {
     static constexpr std::int64_t far_away = std::int64_t{16384}
                                              << length_bits; ///< collide::relative_position_max
     static constexpr std::int64_t turn_max = std::int64_t{1}
-                                             << 27; ///< beyond, a chord is too far from its arc [rad]
+                                             << 27; ///< a larger angle has a chord too far from its arc [rad]
 
-    /// What is known of N pairs on the way.
+    /// The data of N pairs on the way to their contacts.
     struct Pairs {
         const Lane* lane[N];
         const solve::ContactMemory* memory[N];
         Sum<32> way[6];
         Unit axes[3][3];        ///< [column][component] of A's axes
-        Sum<length_bits> at[3]; ///< of B's origin in A's frame
-        Unit turn[4];           ///< B's axes in A's
+        Sum<length_bits> at[3]; ///< position of B's origin in A's frame
+        Unit turn[4];           ///< B's axes in A's frame
         Length limit, reach, step_max;
         Mask advances, on_ground, is_given;
         Length moved[3]; ///< since the manifold was made
-        Unit turned[3];  ///< likewise, as a rotation vector
-        Mask bad;        ///< the manifold does not serve
+        Unit turned[3];  ///< turn since the manifold was made, as a rotation vector
+        Mask bad;        ///< the manifold is not recycled
     };
 
     // ---- reading ---
 
-    /// Four numbers of 32 bits for each lane, from where `place` says.
+    /// Reads four numbers of 32 bits for each lane, at the address that `place` returns.
     template <class Place> static void quad(const Pairs& p, Place&& place, V (&out)[4]) {
         const std::int32_t* from[N];
         for (unsigned k = 0; k < N; ++k) from[k] = reinterpret_cast<const std::int32_t*>(place(*p.lane[k]));
@@ -63,7 +63,8 @@ template <class L> class PairLanes {
         six(
             p, [](const Lane& l) { return &l.way; }, v);
         for (int i = 0; i < 6; ++i) p.way[i] = {v[i]};
-        const auto axes = [&](int from, int first) { // nine numbers: the last four overlap the four before
+        // nine numbers: the last four overlap the four before them
+        const auto axes = [&](int from, int first) {
             quad(
                 p, [&](const Lane& l) { return reinterpret_cast<const std::int32_t*>(l.axes_a) + from; }, q);
             for (int i = first; i < 4; ++i) p.axes[(from + i) / 3][(from + i) % 3] = Unit::of(q[i]);
@@ -80,9 +81,9 @@ template <class L> class PairLanes {
         for (int i = 0; i < 3; ++i) p.moved[i] = Length::splat(0), p.turned[i] = Unit::splat(0);
     }
 
-    // ---- where B is ---
+    // ---- the pose of B ---
 
-    /// Whether a number has more than `Bits` bits and a sign.
+    /// True if x does not fit into `Bits` bits and a sign.
     template <int Bits> static Mask is_beyond(V x) {
         const V sign = L::template shift_right_signed<Bits>(x); // 0 or -1 when it fits
         return mask_of(L::either(L::greater32(sign, L::splat(0)), L::greater32(L::splat(-1), sign)));
@@ -103,7 +104,7 @@ template <class L> class PairLanes {
         p.turn[3] = rounded<unit_bits>(a[3] * b[3] + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
     }
 
-    /// The way to B along A's axes, as collide::into_frame: d = high 2^16 + low, so that all products fit 64 bits.
+    /// The vector to B along A's axes, like collide::into_frame: d = high 2^16 + low, so that all products fit 64 bits.
     static void find_place(Pairs& p) {
         LaneFixed<L, 16> high[3];
         LaneFixed<L, 32> rest[3];
@@ -132,11 +133,12 @@ template <class L> class PairLanes {
         p.bad = p.bad & ~p.is_given;
     }
 
-    // ---- whether the manifold serves ---
+    // ---- the test for recycling ---
 
-    /// Of what is not negative: the upper half is cleared.
+    /// Clears the upper half of numbers that are not negative.
     template <int F> static Sum<F> clean(V low) { return {L::both(low, L::splat(0xffffffff))}; }
-    /// Not below the length of a vector, and not above 1.12 times it: the widest component and half of the others. Within 2^31.
+    /// An upper bound of the length of a vector, at most 1.12 times the length: the widest component plus half of the
+    /// others. Within 2^31.
     template <int F> static Sum<F> length_above(const LaneFixed<L, F> (&x)[3]) {
         LaneFixed<L, F> size[3];
         for (int i = 0; i < 3; ++i) size[i] = max(x[i], -x[i]);
@@ -178,7 +180,7 @@ template <class L> class PairLanes {
             p.moved[i] = low(moved);
         }
         const auto turn = find_turned(p);
-        p.bad = p.bad | (turn > Sum<unit_bits>::splat(solve::recycling_turn.raw)); // and so the product fits
+        p.bad = p.bad | (turn > Sum<unit_bits>::splat(solve::recycling_turn.raw)); // so the product fits
         const auto by_turn = low(turn) * p.reach;
         const auto all = length_above(p.moved) +
                          Sum<length_bits>{L::template shift_right<unit_bits>(by_turn.raw)} +
@@ -208,14 +210,16 @@ template <class L> class PairLanes {
         return wider;
     }
 
-    /// How points in A's axes, counted from B's origin, become levers:
-    ///   at the start of the tick   rB = R p + b,  rA = rB + k          R: A's axes, b and k from the centres of the bodies
-    /// Levers are moved on to the middle of the tick, since a point between corners and faces moves with them: with the levers of the start of the
-    /// tick, a body that falls over would gain its speed half a tick late. Round shapes roll over their points, so theirs stay. On a ground (A)
-    /// the corners are those of B; between two bodies the point moves as the mean of both:
-    ///   goes on a ground           vB + wB x rB                        rB += (goes - vB) h,  rA += (goes - vA) h
-    ///   between two bodies         (vA + wA x rA + vB + wB x rB) / 2   h: half a tick
-    /// Either is rB += U x rB + c and rA = rB + k + (vB - vA) h, so R and b take all of it, once for all points.
+    /// The transform from points, in A's axes and relative to B's origin, to levers:
+    ///   at the start of the tick   rB = R p + b,  rA = rB + k     R: A's axes, b and k from the centres of the bodies
+    /// Levers are then moved to the middle of the tick, since a point between corners and faces moves with them: with
+    /// the levers of the start of the tick, a body that falls over would gain its speed half a tick late. Round shapes
+    /// roll over their points, so their levers stay. On a ground (A), the corners are those of B; between two bodies,
+    /// the point moves with the mean of both:
+    ///   velocity c on a ground     vB + wB x rB                   rB += (c - vB) h,  rA += (c - vA) h,  h: half a tick
+    ///   velocity c of two bodies   (vA + wA x rA + vB + wB x rB) / 2
+    /// Both cases have the form rB += U x rB + s and rA = rB + k + (vB - vA) h, so only R, b and k change, once for all
+    /// points.
     struct Frame {
         Unit axes[3][3];
         Sum<length_bits> base_b[3], to_a[3];
@@ -252,7 +256,7 @@ template <class L> class PairLanes {
                      b = motion_of(p, [](const Lane&l) { return l.velocity_b; });
         const Mask between = ~p.on_ground;
         Sum<unit_bits> turn[3], turn_a[3];
-        Sum<length_bits> gone[3], of_a[3]; // of b against a
+        Sum<length_bits> gone[3], of_a[3]; // of b relative to a
         for (int i = 0; i < 3; ++i) {
             turn[i] = floor_to<unit_bits>(b.angular[i] * half_tick);
             turn_a[i] = floor_to<unit_bits>(a.angular[i] * half_tick) & between;
@@ -264,7 +268,7 @@ template <class L> class PairLanes {
         Unit turns_a[3], turns[3];
         for (int i = 0; i < 3; ++i) {
             to_a[i] = low(f.to_a[i]), turns_a[i] = low(turn_a[i]);
-            goes = goes & ~(between & is_beyond<31>(f.to_a[i].raw)); // bodies are 128 m apart
+            goes = goes & ~(between & is_beyond<31>(f.to_a[i].raw)); // not where bodies are 128 m apart
         }
         for (int i = 0; i < 3; ++i) of_a[i] = floor_to<length_bits>(cross(turns_a, to_a, i));
         const auto step_max = wide(p.step_max);
@@ -286,7 +290,7 @@ template <class L> class PairLanes {
         }
     }
 
-    /// n . (m + t x p) = n . m + (n x t) . p.
+    /// The change of a separation by a small move: n . (m + t x p) = n . m + (n x t) . p.
     struct Tilt {
         Sum<unit_bits + length_bits> along;
         Unit by[3];
@@ -297,7 +301,7 @@ template <class L> class PairLanes {
         return tilt;
     }
 
-    /// Likewise, from the manifolds.
+    /// Like quad(), from the manifolds.
     template <class Place> static void quad_of_rows(const Pairs& p, Place&& place, V (&out)[4]) {
         const std::int32_t* from[N];
         for (unsigned k = 0; k < N; ++k) from[k] = reinterpret_cast<const std::int32_t*>(place(*p.memory[k]));
@@ -331,7 +335,8 @@ template <class L> class PairLanes {
             quad_of_rows(
                 p, [k](const solve::ContactMemory& m) { return &point_of(m, k)->position; }, row);
             const Length at[3] = {Length::of(row[0]), Length::of(row[1]), Length::of(row[2])};
-            V then[4]; // the last four numbers: those behind a point may be nobody's
+            // the last four numbers of the point: the memory after it may not belong to the manifold
+            V then[4];
             quad_of_rows(
                 p, [k](const solve::ContactMemory& m) { return &point_of(m, k)->position.z; }, then);
             const auto by = tilt.along + tilt.by[0] * at[0] + tilt.by[1] * at[1] + tilt.by[2] * at[2];

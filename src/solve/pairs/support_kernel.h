@@ -1,7 +1,7 @@
-// The furthest corner of a hull in lanes, written once over the lanes L: shapes/hull/support_kernel.h.
+// The farthest corner of a hull in lanes, written once over the lanes L; see shapes/hull/support_kernel.h.
 //
-// Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
-// too, since the linker keeps one of their copies.
+// Only files that are compiled for one instruction set include this. It must not use inline functions that other files
+// use too, since the linker keeps only one of their copies.
 #pragma once
 
 #include "shapes/hull/support_kernel.h"
@@ -17,8 +17,8 @@ template <class L> class HullSupport {
 
     static constexpr std::int32_t numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-    /// The further of two corners becomes the first; of two that are as far the one of the lower number. By masks: which one is further is as
-    /// good as chance, and a branch would be guessed wrong.
+    /// Replaces the first corner by the second if that is farther, or equally far with a lower number. Uses masks:
+    /// both outcomes are equally likely, so a processor would often predict a branch wrongly.
     static void keep_further(std::int64_t& reach, std::int64_t& corner, std::int64_t reach_of_other,
                              std::int64_t other) {
         const bool is_further = reach_of_other + std::int64_t{other < corner} > reach;
@@ -27,7 +27,7 @@ template <class L> class HullSupport {
         corner ^= (corner ^ other) & all;
     }
 
-    /// Each lane looks at every Nth corner and keeps the first of its furthest.
+    /// Each lane visits every Nth corner and keeps the first of its farthest ones.
     static std::uint32_t furthest(const std::int32_t* corners, std::uint32_t stride,
                                   const std::int32_t (&direction)[3]) {
         static_assert(N <= 16);
@@ -39,7 +39,7 @@ template <class L> class HullSupport {
                           L::mul(L::load32(zs + k), z));
         };
         const V lanes = L::splat(N);
-        // Whole lanes: numbers are compared as such below.
+        // Whole lanes, since the numbers are compared as 64 bits below.
         V number = load_extended<L>(numbers), most = along(0), corner = number;
         for (std::size_t k = N; k < count; k += N) {
             const V next = along(k), more = L::greater64(next, most);

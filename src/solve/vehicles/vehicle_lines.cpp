@@ -1,4 +1,5 @@
-// Lines of vehicles beside what is in every loop: grounds that move, and impulses that are large. See vehicle_lines.h.
+// Rare cases of lines of vehicles, outside of the inner loops: grounds that move, and large impulses. See
+// vehicle_lines.h.
 #include "solve/vehicles/vehicle_lines.h"
 
 namespace lockstone::solve {
@@ -17,7 +18,7 @@ void add_far(std::int64_t& v, std::int64_t p, std::int64_t by, int shift, int fr
 Real ground_speed(const SolverBody& ground, const WheelLine& line) {
     const Chassis motion(ground);
     std::int64_t back[3];
-    for (int i = 0; i < 3; ++i) back[i] = -motion.u[i]; // xg has the sign of the ground's side
+    for (int i = 0; i < 3; ++i) back[i] = -motion.u[i]; // xg includes the sign of the ground's side
     return motion.has_room() ? real(speed_along<Small>(motion.v, back, line.d, line.xg))
                              : speed_along<Real>(motion.v, back, line.d, line.xg);
 }

@@ -1,11 +1,12 @@
-// Numbers and lines of vehicles: the chassis within a pass, speeds along lines, impulses. See vehicle.h.
+// Numbers and lines of vehicles: the chassis during a pass, speeds along lines, impulses. See vehicle.h.
 //
-//   number                 format            products of 64 bits have room
-//   v, u of the chassis    64 bits, 24       below 256 and 64 m/s: Chassis::has_room(); or a chassis' small wheels
+//   number                 format            range in which products fit 64 bits
+//   v, u of the chassis    64 bits, 24       below 256 and 64 m/s: Chassis::has_room(); Chassis::look() for small
+//                                            wheels
 //   d, x of a line         32 bits, 30 and 24
 //   impulse                Real              up to 1 m/s
 //
-// Numbers beyond that take products of 128 bits, which give the same bits.
+// Larger numbers use products of 128 bits, which give the same bits.
 #pragma once
 
 #include "solve/vehicles/vehicle_work.h"
@@ -15,12 +16,12 @@
 
 namespace lockstone::solve {
 
-/// floor(w / 2^shift + 1/2) of a w whose result is below 2^62: nothing is clamped.
+/// floor(w / 2^shift + 1/2) for a w whose result is below 2^62. It clamps nothing.
 constexpr std::int64_t narrow_small(Wide w, int shift) {
     return (static_cast<std::int64_t>((w >> (shift - 1)).low_bits()) + 1) >> 1;
 }
 
-/// A Real whose results are known to stay far from the end of its range, so that nothing has to be clamped.
+/// A Real whose results stay far from the end of its range, so that its operations need no clamps.
 struct Small {
     std::int64_t raw;
 
@@ -33,19 +34,19 @@ struct Small {
     friend bool operator==(Small, Small) = default;
     friend auto operator<=>(Small, Small) = default;
 };
-inline Small operator/(Small x, const Divisor& d) {
-    return x * Small{d.inverse.raw};
-} ///< of a divisor that is not large
+/// Valid where the divisor is not large.
+inline Small operator/(Small x, const Divisor& d) { return x * Small{d.inverse.raw}; }
 inline Small abs(Small x) { return {x.raw < 0 ? -x.raw : x.raw}; }
 
-/// A wheel is small below these: arms of its spin and mobilities, of its patch alone and with its rim; its load [m/s]. Then kappa p stays
-/// below 2^11, speeds below 2^15 m/s, arm p below 2^19, and kappa_rim load y, speed x and slides times impulses below 2^29.
+/// Limits of a small wheel: arm of its spin; mobility of its patch alone, and with its rim; load [m/s]. Below these,
+/// kappa p stays below 2^11, speeds below 2^15 m/s, arm p below 2^19, and kappa_rim load y, speed x and slides times
+/// impulses below 2^29.
 inline constexpr Real small_arm = Real(1 << 14), small_kappa = Real(1 << 6), small_kappa_rim = Real(1 << 18),
                       small_load = Real(2);
 
-/// A train is small below these: what the engine's torque gives it in a substep [rad/s]; reciprocals of inertia; ratios; torque
-/// impulses [N m s]; and where all groups are. Six couplings give a group less than 2^21 rad/s in a substep, and eight groups through
-/// their ratios stay below 2^31.
+/// Limits of a small train: the change of the engine's speed by its torque in a substep [rad/s]; reciprocals of
+/// inertia; ratios; torque impulses [N m s]; and all groups are small. Six couplings then change a group's spin by less
+/// than 2^21 rad/s in a substep, and the sum over eight groups with their ratios stays below 2^31.
 inline constexpr Real small_push = Real(1 << 12), small_inverse = Real(1 << 4), small_ratio = Real(1 << 6),
                       small_torque = Real(1 << 8);
 
@@ -58,7 +59,8 @@ template <class Number> Number number(Real x) {
 inline Real real(Real x) { return x; }
 inline Real real(Small x) { return Real::from_raw(x.raw); }
 
-/// n / d of n >= 0 and d >= 0, within 2^-29 of it and clamped: mantissas of 62 and of 31 bits are divided. n / 0 is the largest Real.
+/// n / d for n >= 0 and d >= 0, with a relative error below 2^-29, and clamped: it divides mantissas of 62 and of 31
+/// bits. n / 0 is the largest Real.
 constexpr Real quotient(Real n, Real d) {
     if (n.raw <= 0) return Real{};
     if (d.raw <= 0) return Real::max();
@@ -72,11 +74,11 @@ constexpr Real quotient(Real n, Real d) {
     return Real::from_raw(raise > -62 ? shift_right_rounded(q, -raise) : 0);
 }
 
-/// x / Real(count) of count > 0, without the bits that both are shifted by.
+/// x / Real(count) for count > 0, without the common shift of both.
 constexpr Real divided(Real x, std::int64_t count) { return Real::from_raw(divide_shifted(x.raw, count, 0)); }
 
 inline constexpr int share_bits = 31;
-/// n / d of 0 <= n <= d, d > 0, with share_bits fraction bits: of their leading 32 bits.
+/// n / d for 0 <= n <= d and d > 0, with share_bits fraction bits, from their leading 32 bits.
 constexpr std::int64_t share_of(std::int64_t n, std::int64_t d) {
     const int bits = bit_length(static_cast<std::uint64_t>(d));
     if (bits > 32) n >>= bits - 32, d >>= bits - 32;
@@ -92,21 +94,21 @@ template <class Number> constexpr Number part_of(Number x, std::int64_t share) {
 // ---- lines ---------------------------------------------------------------------------------------------------------
 
 inline constexpr int chassis_bits = 24, chassis_to_accumulator = accumulator_bits - chassis_bits;
-/// Bits that a product drops: to a Real of speed, and to what an impulse changes.
+/// Bits that a product drops: to a speed in Real, and to the change of a velocity by an impulse.
 inline constexpr int speed_d_shift = chassis_bits + Unit::fraction_bits - Real::fraction_bits,
                      speed_x_shift = chassis_bits + Arm::fraction_bits - Real::fraction_bits,
                      push_d_shift = Real::fraction_bits + Unit::fraction_bits - chassis_bits,
                      push_x_shift = Real::fraction_bits + Arm::fraction_bits - chassis_bits;
 
-/// floor(x / 2^Shift + 1/2), where half a step has room.
+/// floor(x / 2^Shift + 1/2), where adding one half does not overflow.
 template <int Shift> constexpr std::int64_t rounded(std::int64_t x) {
     return (x + (std::int64_t{1} << (Shift - 1))) >> Shift;
 }
 
-/// The chassis of a vehicle while a pass works on it.
+/// The chassis of a vehicle during a pass.
 struct Chassis {
     std::int64_t v[3], u[3], keep[3];
-    bool roomy = false; ///< for the small wheels of this loop over them
+    bool roomy = false; ///< has room for the small wheels of the current loop over wheels
 
     explicit Chassis(const SolverBody& body) {
         for (int i = 0; i < 3; ++i) {
@@ -115,12 +117,14 @@ struct Chassis {
             keep[i] = body.keep[i];
         }
     }
-    /// For speed_along<Small>(): |v| below 2^8 sqrt(3), and d has the length 1; |u| below 2^6 by component, and x at most 2^6.
+    /// The condition of speed_along<Small>(): |v| is below 2^8 sqrt(3), and d has length 1; each component of u is
+    /// below 2^6, and x is at most 2^6.
     bool has_room() const { return is_within<8>(v) && is_within<6>(u); }
-    /// Before a loop over wheels, and in it after anything but a small wheel's impulses of up to 1 m/s. Arms of a small wheel are
-    /// below 8, for it is ordinary: two impulses of each of eight wheels add at most 16 to |v| and 128 to |u|.
+    /// Sets `roomy`. Call it before a loop over wheels, and in the loop after each step except impulses of a small
+    /// wheel of up to 1 m/s. A small wheel is ordinary, so its arms are below 8: two impulses of each of eight wheels
+    /// add at most 16 to |v| and 128 to |u|.
     void look() { roomy = is_within<7>(v) && is_within<6>(u); }
-    bool is_far() const { return !is_within<11>(v) || !is_within<11>(u); } ///< at 2048 m/s or beyond
+    bool is_far() const { return !is_within<11>(v) || !is_within<11>(u); } ///< 2048 m/s or more
 
   private:
     template <int Bits> static bool is_within(const std::int64_t (&x)[3]) {
@@ -130,7 +134,7 @@ struct Chassis {
     }
 };
 
-/// Speed of a place of a body along d [m/s], rounded twice.
+/// Speed of a point of a body along d [m/s], rounded twice.
 template <class Number>
 Number speed_along(const std::int64_t (&v)[3], const std::int64_t (&u)[3], const UnitVec3& d,
                    const Vector3<Arm>& x) {
@@ -138,7 +142,7 @@ Number speed_along(const std::int64_t (&v)[3], const std::int64_t (&u)[3], const
         const std::int64_t along = v[0] * d.x.raw + v[1] * d.y.raw + v[2] * d.z.raw;
         const std::int64_t turning = u[0] * x.x.raw + u[1] * x.y.raw + u[2] * x.z.raw;
         return {rounded<speed_d_shift>(along) + rounded<speed_x_shift>(turning)};
-    } else { // below 2^12 m/s and arms below 2^6: sums stay below 2^85
+    } else { // below 2^12 m/s, and arms below 2^6: sums stay below 2^85
         Wide along = Wide::from(0), turning = along;
         for (int i = 0; i < 3; ++i) {
             along = along + Wide::product(v[i], d[i].raw);
@@ -148,10 +152,10 @@ Number speed_along(const std::int64_t (&v)[3], const std::int64_t (&u)[3], const
     }
 }
 
-/// Speed of a ground that moves, at a patch.
+/// Speed of a moving ground at a patch.
 Real ground_speed(const SolverBody& ground, const WheelLine& line);
 
-/// Speed of the chassis' patch over the ground along a line [m/s].
+/// Speed of the chassis' patch relative to the ground along a line [m/s].
 template <class Number>
 [[gnu::always_inline]] inline Number line_speed(const Chassis& chassis, const Wheel& wheel,
                                                 const WheelLine& line, const SolverBodies& bodies) {
@@ -165,8 +169,9 @@ template <class Number>
 void push_far(Chassis& chassis, const WheelLine& line, Real impulse);
 void push_ground(const Wheel& wheel, const WheelLine& line, Real impulse, SolverBodies& bodies);
 
-/// Adds an impulse along a line to the chassis, and its reverse to the ground. A pass pushes the chassis 40 times at most, so impulses of
-/// up to 1 m/s add at most 2560 m/s to the 2048 of push_far(): far from the end of an accumulator.
+/// Adds an impulse along a line to the chassis, and the opposite impulse to the ground. A pass pushes the chassis at
+/// most 40 times, so impulses of up to 1 m/s add at most 2560 m/s to the 2048 of push_far(): far from the end of an
+/// accumulator.
 inline void push_line(Chassis& chassis, const Wheel& wheel, const WheelLine& line, Real impulse,
                       SolverBodies& bodies) {
     constexpr std::uint64_t one = static_cast<std::uint64_t>(Real(1).raw);
@@ -182,7 +187,7 @@ inline void push_line(Chassis& chassis, const Wheel& wheel, const WheelLine& lin
         push_ground(wheel, line, impulse, bodies);
 }
 
-/// The same along both lines of a tyre.
+/// Adds impulses along both lines of a tyre.
 inline void push_tyre(Chassis& chassis, const Wheel& wheel, Real along, Real across, SolverBodies& bodies) {
     constexpr std::uint64_t one = static_cast<std::uint64_t>(Real(1).raw);
     const WheelLine &a = wheel.along, &s = wheel.across;
@@ -201,10 +206,10 @@ inline void push_tyre(Chassis& chassis, const Wheel& wheel, Real along, Real acr
     }
 }
 
-/// The impulses of all three lines of a wheel, rounded once where they are up to 1 m/s together.
+/// Adds the impulses of all three lines of a wheel. Rounds once where they are up to 1 m/s together.
 void push_lines(Chassis& chassis, const Wheel& wheel, SolverBodies& bodies);
 
-/// Adds to a body what a pass changed of it. Velocities stay within 2048 m/s, where the rows of contacts can read them.
+/// Adds the changes of a pass to the body. Velocities stay within 2048 m/s, so that the rows of contacts can read them.
 void write_back(const Chassis& chassis, SolverBody& body);
 
 inline Real load_of(const Wheel& wheel) { return max(wheel.spring + wheel.stop + wheel.bars, Real{}); }

@@ -1,4 +1,4 @@
-// The begin of a vehicle's tick in the solver: rows of wheels and bars, shares of the weight, who is solved after whom.
+// The start of a vehicle's tick in the solver: rows of wheels and bars, shares of the weight, and the order of solving.
 #include "base/poison.h"
 #include "base/text.h"
 #include "lockstone/math/math.h"
@@ -12,19 +12,20 @@ namespace lockstone::solve {
 
 namespace {
 
-constexpr Real ratio_max =
-    Real(65536); ///< of the masses of chassis and ground; a lighter ground acts as if it had this
-/// The largest ratio for a ground that is pressed (contacts/pressed.h); half of pressed_ratio, because wheels press faster than contacts give way.
+/// largest ratio of the masses of chassis and ground; with a lighter ground the solver uses this ratio
+constexpr Real ratio_max = Real(65536);
+/// The largest ratio for a ground that is pressed (contacts/pressed.h). It is half of pressed_ratio, because wheels
+/// press faster than contacts give way.
 constexpr Real ratio_pressed = Real(2);
-constexpr std::int32_t arm_most = 64; ///< of a row's turning arm K^-1 (r x d)
+constexpr std::int32_t arm_most = 64; ///< limit of a component of K^-1 (r x d)
 constexpr Real impulse_max = Real(2048);
 
 Arm bounded(Arm x) { return clamp(x, Arm(-arm_most), Arm(arm_most)); }
 
-/// From a centre of mass [m].
+/// A lever from a centre of mass [m].
 struct Lever {
     Vec3 whole;
-    Vector3<Arm> near{}; ///< the same, below 128 m
+    Vector3<Arm> near{}; ///< the same, if it is below 128 m
     bool is_near = false;
 
     explicit Lever(Vec3 lever) : whole(lever) {
@@ -34,7 +35,7 @@ struct Lever {
     }
 };
 
-/// K^-1 (lever x d); in 64 bits below a lever of 128 m.
+/// K^-1 (lever x d); in 64 bits for levers below 128 m.
 Vector3<Arm> arm_of(const BodyStep& body, const Lever& lever, UnitVec3 d, std::int32_t sign) {
     Vector3<Arm> x{};
     if (lever.is_near) {
@@ -50,7 +51,7 @@ Vector3<Arm> arm_of(const BodyStep& body, const Lever& lever, UnitVec3 d, std::i
     return {bounded(x.x), bounded(x.y), bounded(x.z)};
 }
 
-/// The speed along d_a that an impulse along d_b gives a body; x: their turning arms.
+/// The change of a body's speed along d_a by an impulse along d_b; x: the arms of both.
 Real mobility(const SolverBody& body, UnitVec3 d_a, Vector3<Arm> x_a, UnitVec3 d_b, Vector3<Arm> x_b) {
     SumOfProducts<Unit, Unit> moves;
     for (int i = 0; i < 3; ++i)
@@ -58,7 +59,7 @@ Real mobility(const SolverBody& body, UnitVec3 d_a, Vector3<Arm> x_a, UnitVec3 d
     return moves.round<Real>() + dot<Real>(x_a, x_b);
 }
 
-/// Of a wheel's patch [m], and the speed of what it stands on beside its body's [m/s].
+/// The levers of a wheel's patch [m], and the velocity of the ground's surface relative to its body [m/s].
 struct Levers {
     Lever chassis, ground;
     Vec3 surface;
@@ -83,7 +84,8 @@ void forget_ground(WheelMemory& m) {
     m.spring = m.stop = m.along = m.across = m.slip = m.slip_side = Real{};
 }
 
-/// The share that is linear in the place: share = a + b x + c z, with sum 1 and no moment about the centre.
+/// Sets shares that are linear in the position: share = a + b x + c z, with sum 1 and no moment about the centre of
+/// mass. Equal shares where one of these is below 2 % of an equal share, or above 1.
 void find_shares(WeightShares& out) {
     Mat3 gram{};
     for (std::uint32_t i = 0; i < out.wheel_count; ++i) {
@@ -103,7 +105,8 @@ void find_shares(WeightShares& out) {
         out.share[i] = Real(1) / Real(out.wheel_count);
 }
 
-/// Fractions of the chassis' mass on each wheel, so that equal frequencies sag level; `center` is that of mass.
+/// Sets the fractions of the chassis' mass on each wheel, so that springs of equal frequency sag by the same length;
+/// `center`: centre of mass.
 void find_shares(const VehicleDef& def, Vec3 center, WeightShares& known) {
     bool same = known.wheel_count == def.wheel_count;
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
@@ -115,14 +118,15 @@ void find_shares(const VehicleDef& def, Vec3 center, WeightShares& known) {
     if (!same) find_shares(known);
 }
 
-/// To the left, of a wheel that is turned about the chassis' up axis.
+/// The direction to the left, for a wheel that is turned about the up axis of the chassis.
 UnitVec3 axle_of(const Rotation& axes, Real steer) {
     if (steer == Real{}) return axes.x;
     const auto turn = sin_cos(steer);
     return lockstone::mul<Unit>(axes, UnitVec3{turn.cos, Unit{}, -turn.sin});
 }
 
-/// Implicit: a = h^2 k + h c. Small: below 50 Hz, of a share of up to 1, so rate stays below 2^17 and a below 2^18.
+/// Implicit spring: a = h^2 k + h c. Small has room: frequency below 50 Hz and share up to 1, so rate stays below 2^17
+/// and a below 2^18.
 void set_spring(Real substep, const WheelDef& def, Real share, Wheel& wheel) {
     const Small h = number<Small>(substep), omega = number<Small>(two_pi) * number<Small>(def.frequency),
                 stiff = number<Small>(share) * omega * h;
@@ -137,7 +141,7 @@ void set_spring(Real substep, const WheelDef& def, Real share, Wheel& wheel) {
     }
 }
 
-/// A vehicle whose rows are being made.
+/// The inputs of a vehicle's rows, and the vehicle.
 struct Making {
     const BodyColumns& columns;
     const SolverBodies& bodies;
@@ -174,7 +178,7 @@ void prepare_wheel(const Making& of, std::uint32_t i, Real share) {
                    left = sideways == UnitVec3{} ? any_perpendicular(n) : normalized(sideways);
     wheel.normal = line_of(bodies, v.chassis, wheel, n, levers);
     wheel.touches = wheel.normal.kappa > Real{};
-    if (!wheel.touches) return forget_ground(memory); // nothing can move
+    if (!wheel.touches) return forget_ground(memory); // the chassis cannot move along the normal
     wheel.along = line_of(bodies, v.chassis, wheel, cross<Unit>(left, n), levers);
     wheel.across = line_of(bodies, v.chassis, wheel, left, levers);
     wheel.mixed = mobility(bodies.body[v.chassis], wheel.along.d, wheel.along.xc, left, wheel.across.xc);
@@ -185,7 +189,7 @@ void prepare_wheel(const Making& of, std::uint32_t i, Real share) {
     wheel.per_length = quotient(Real(1), max(-dot<Real>(n, of.down), 0.5_r));
     wheel.grip = quotient(ground.friction, v.def->tyre[def.tyre].ground_friction);
     set_spring(of.substep, def, share, wheel);
-    // A wheel does not start from impulses that it had on another ground.
+    // A wheel does not start from its impulses on another ground.
     if (memory.ground != ground.shape) forget_ground(memory);
     memory.ground = ground.shape;
     memory.normal = n;
@@ -217,8 +221,8 @@ void prepare_bars(const StepConstants& step, const SolverBodies& bodies, Vehicle
 
 } // namespace
 
-/// Vehicles that push the same body are one convoy: the chassis of one may be the ground of another. A ground that nothing pushes
-/// makes no convoy.
+/// Vehicles that push the same body are one convoy: the chassis of one may be the ground of another. A ground that
+/// impulses do not move joins no vehicles.
 void VehicleSolver::find_convoys(const SolverBodies& bodies) {
     const std::uint32_t count = static_cast<std::uint32_t>(vehicles.size());
     pushed.clear(), order.clear(), convoy.clear(), convoy_begin.clear();
@@ -251,14 +255,14 @@ void VehicleSolver::find_convoys(const SolverBodies& bodies) {
 
 std::string VehicleSolver::order_fault(const SolverBodies& bodies) const {
     CheckVector<std::uint32_t> times(vehicles.size());
-    CheckVector<std::uint32_t> pushed_by(bodies.body.size(), no_body); // convoy, by body
+    CheckVector<std::uint32_t> pushed_by(bodies.body.size(), no_body); // number of the convoy, by body
     for (std::uint32_t c = 0; c + 1 < convoy_begin.size(); ++c)
         for (std::uint32_t i = convoy_begin[c]; i < convoy_begin[c + 1]; ++i) {
             const Vehicle& v = vehicles[order[i]];
             ++times[order[i]];
             if (i > convoy_begin[c] && order[i] < order[i - 1])
                 return base::join("vehicle ", order[i], " follows vehicle ", order[i - 1]);
-            for (std::uint32_t w = 0; w <= v.wheel_count; ++w) { // the last one: the chassis
+            for (std::uint32_t w = 0; w <= v.wheel_count; ++w) { // the last round is the chassis
                 const std::uint32_t body = w < v.wheel_count ? v.wheel[w].ground : v.chassis;
                 if (!bodies.step[body].movable) continue;
                 if (pushed_by[body] != no_body && pushed_by[body] != c)

@@ -5,20 +5,20 @@
 
 namespace lockstone::solve {
 
-/// A vehicle as commands left it.
+/// A vehicle as commands set it.
 struct VehicleRow {
     VehicleId id;
     VehicleDef def;
     VehicleInput input;
 };
 
-/// What a wheel remembers from tick to tick. Impulses are per substep and over the chassis' mass [m/s].
+/// The memory of a wheel from tick to tick. Impulses are per substep, divided by the mass of the chassis [m/s].
 struct WheelMemory {
     ShapeId ground;  ///< null: in the air
     UnitVec3 normal; ///< of the ground
     std::uint32_t reserved;
     Real rotation;      ///< [rad], 0..2 pi
-    Real spin;          ///< [rad/s]; all wheels of a track have the same
+    Real spin;          ///< [rad/s]; all wheels of a track have the same spin
     Real length;        ///< of the suspension [m]
     Real steer;         ///< [rad], to the left
     Real spring, stop;  ///< along the normal, at least 0
@@ -28,14 +28,14 @@ struct WheelMemory {
 
 struct VehicleMemory {
     Real engine_speed;           ///< [rad/s]
-    Real steer;                  ///< where the steering wheel is, -1..1
+    Real steer;                  ///< position of the steering wheel, -1..1
     std::int32_t gear;           ///< engaged: -1..8
-    std::int32_t gear_next;      ///< while shifting
-    std::uint32_t shift_ticks;   ///< until the clutch closes again
-    std::uint32_t pause_ticks;   ///< until an automatic box may shift again
+    std::int32_t gear_next;      ///< the next gear, while shifting
+    std::uint32_t shift_ticks;   ///< ticks until the clutch closes again
+    std::uint32_t pause_ticks;   ///< ticks until an automatic gearbox may shift again
     Real clutch, steer_coupling; ///< impulses per substep [N m s], at the engine; between the tracks
     std::array<Real, vehicle_couplings_max> differential; ///< [N m s] per substep
-    std::array<Real, vehicle_couplings_max> anti_roll;    ///< on wheel_a, as `spring`
+    std::array<Real, vehicle_couplings_max> anti_roll;    ///< on wheel_a, in the unit of WheelMemory::spring
     std::array<WheelMemory, vehicle_wheels_max> wheel;
 };
 

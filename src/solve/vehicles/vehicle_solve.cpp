@@ -28,8 +28,8 @@ Real shared_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse) {
 
 namespace {
 
-/// How far the patch moved along the normal since the start of the tick [m], below 2^12. No body moves by more than 16 m in a tick:
-/// three products of 31 and 30 bits.
+/// The distance that the patch moved along the normal since the start of the tick [m], below 2^12. No body moves by
+/// more than 16 m in a tick: three products of 31 and 30 bits.
 Real moved(const Wheel& wheel, const SolverBodies& bodies, std::uint32_t chassis) {
     constexpr int finer = Real::fraction_bits - Separation::fraction_bits;
     const auto products = [](const std::int32_t(&way)[3], const auto& by) {
@@ -48,7 +48,7 @@ Real moved(const Wheel& wheel, const SolverBodies& bodies, std::uint32_t chassis
     return Real::from_raw(sum);
 }
 
-/// The impulse of a stop that is met, or will be within the substep.
+/// The impulse of a stop that the wheel touches, or reaches within the substep.
 Real stop_of(const StepConstants& step, const Wheel& wheel, Real speed) {
     const Real kappa = wheel.normal.kappa;
     Real stop = wheel.stop;
@@ -108,7 +108,7 @@ void solve_bar(const Pass& pass, std::uint32_t k) {
         const Real speed = line_speed<Real>(pass.chassis, a, a.normal, pass.bodies) -
                            line_speed<Real>(pass.chassis, b, b.normal, pass.bodies);
         next = row.pull * (a.compression - b.compression) + row.yield * (row.kappa * p - speed);
-        // The bar lifts no wheel by more than the load on it.
+        // The bar lifts a wheel at most by the load on it.
         next = clamp(next, p - (a.spring + a.stop + a.bars), p + (b.spring + b.stop + b.bars));
     }
     const Real change = next - p;
@@ -168,8 +168,8 @@ void set_load(const Vehicle& v, Wheel& wheel, Real load) {
         set_peaks<Real>(v, wheel);
 }
 
-/// What the brakes and the rolling of the tyres can take from each group in this substep. The loads on the tyres at the begin of a
-/// tick: later they are those that the springs were left with.
+/// Sets the largest spin change of each group by brakes and rolling tyres in this substep. Sets the loads on tyres at
+/// the start of a tick; later substeps keep the loads that solve_normals() set.
 void set_brakes(Vehicle& v, bool begins_tick) {
     for (std::uint32_t g = 0; g < v.group_count; ++g) v.group[g].brake = Real{};
     for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
@@ -190,7 +190,7 @@ void set_brakes(Vehicle& v, bool begins_tick) {
     }
 }
 
-/// Groups of which no wheel is on the ground.
+/// Sets the spins of groups without a wheel on the ground.
 void spin_in_the_air(Vehicle& v) {
     for (std::uint32_t k = 0; k < v.group_count; ++k)
         if (SpinGroup& g = v.group[k]; g.on_ground == 0) g.spin = braked_spin(g, g.free);
@@ -203,7 +203,8 @@ void begin_wheel(const StepConstants& step, const WheelDef& def, Real way, Wheel
     wheel.gap_rate = wheel.gap * step.substeps_per_second;
 }
 
-/// Whether 64 bits are enough for this wheel: for the speeds of the chassis along its lines, and for its own numbers.
+/// True if 64 bits have room for the speeds of the chassis along the lines of this wheel, and for the wheel's own
+/// numbers.
 bool is_small(const Pass& pass, const Wheel& wheel) {
     return wheel.small && pass.v.group[wheel.group].small && pass.chassis.roomy;
 }
@@ -262,7 +263,7 @@ void VehicleSolver::warm_start(const StepConstants& step, SolverBodies& bodies) 
 }
 
 void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
-    // Only the slip at the end of the tick is remembered.
+    // The memory keeps only the slip at the end of the tick.
     const bool is_last = substeps_left == 0 && !bias;
     for_each_vehicle([&](Vehicle& v) {
         Chassis chassis(bodies.body[v.chassis]);

@@ -1,4 +1,4 @@
-// Engine, clutch, differentials and tracks: what turns, solved against what the tyres will answer.
+// Engine, clutch, differentials and tracks: the rotating masses, solved with a prediction of the tyres' impulses.
 #include "solve/vehicles/vehicle_tyre.h"
 
 #include <algorithm>
@@ -11,11 +11,11 @@ namespace lockstone::solve {
 namespace {
 
 constexpr Real speed_per_rpm = decimal<Real>("0.10471975511965977462"); ///< 2 pi / 60
-constexpr Real torque_max = Real(100000000);                            ///< [N m], of what is locked
+constexpr Real torque_max = Real(100000000);                            ///< [N m], of locked differentials
 constexpr Real part_spin_max = Real(100000);                            ///< [rad/s], of wheels and engines
-constexpr Real error_least = Real::from_raw(1 << 14); ///< [rad/s]: 4e-6; couplings leave smaller ones
+constexpr Real error_least = Real::from_raw(1 << 14); ///< [rad/s]: 4e-6; couplings ignore smaller errors
 
-/// Share of the engine's torque at a relative speed.
+/// The fraction of the engine's largest torque at a relative speed.
 template <class Number> Number torque_at(const Vehicle& v, Number relative) {
     const std::array<CurvePoint, 8>& curve = v.def->engine.torque;
     if (real(relative) <= curve.front().x) return number<Number>(curve.front().y);
@@ -33,7 +33,8 @@ template <class Number> Number within_one(Number x) {
     return number<Number>(clamp(real(x), Real{}, Real(1)));
 }
 
-/// Speed that the engine's torque gives it in a substep. The limiter takes the fuel away over the last hundredth below rpm_max.
+/// The change of the engine's speed by its torque in a substep. The limiter reduces the throttle over the last
+/// hundredth below rpm_max.
 template <class Number> Number engine_push(const Vehicle& v) {
     const Number one = number<Number>(Real(1)),
                  throttle = number<Number>(v.memory->shift_ticks > 0 ? Real{} : v.input.throttle);
@@ -44,14 +45,14 @@ template <class Number> Number engine_push(const Vehicle& v) {
     return throttle * left * torque_at(v, relative) * number<Number>(v.engine.push) - drag;
 }
 
-/// How far the clutch is closed: it opens towards the idle speed, so the engine does not stall.
+/// How far the clutch is closed, 0..1: it opens towards the idle speed, so the engine does not stall.
 template <class Number> Number clutch_closed(const Vehicle& v) {
     const Number closed = (number<Number>(v.engine_speed) - number<Number>(v.engine.idle_speed)) *
                           number<Number>(v.engine.per_idle);
     return within_one(closed) * number<Number>(Real(1) - v.input.clutch);
 }
 
-/// Most torque impulse of a coupling in this substep [N m s].
+/// The limit of the torque impulse of a coupling in this substep [N m s].
 Real cap_of(const Vehicle& v, const Coupling& c, Real clutch_closed) {
     if (c.source > coupling_clutch || c.kind == DifferentialKind::locked) return c.most;
     if (c.source == coupling_clutch) return clutch_closed * c.most;
@@ -60,7 +61,7 @@ Real cap_of(const Vehicle& v, const Coupling& c, Real clutch_closed) {
     return c.most + v.def->differential[c.source].bias * through;
 }
 
-/// One tyre on trial. True when the brake holds it.
+/// Predicts the impulse of one tyre. Returns true if the brake holds it.
 template <class Number> bool try_wheel(Vehicle& v, std::uint32_t i, Real& stiff) {
     Wheel& wheel = v.wheel[i];
     SpinGroup& g = v.group[wheel.group];
@@ -78,7 +79,8 @@ template <class Number> bool try_wheel(Vehicle& v, std::uint32_t i, Real& stiff)
     return a.held;
 }
 
-/// One pass over the tyres of a group, on trial: the spin that its torque leads to, and how the spin would change with more torque.
+/// One prediction pass over the tyres of a group: sets the spin that its torque leads to, and the change of the spin
+/// per torque.
 void settle(Vehicle& v, std::uint32_t group) {
     SpinGroup& g = v.group[group];
     Real stiff{};
@@ -95,7 +97,7 @@ void settle(Vehicle& v, std::uint32_t group) {
     g.answer = held ? Real{} : stiff == Real{} ? g.answer_free : quotient(Real(1), g.inertia + stiff);
 }
 
-/// How the patches of driven wheels move over the ground before tyres are tried.
+/// Sets the speeds of the patch of a driven wheel relative to the ground, before tyres are predicted.
 template <class Number> void look_ahead(const Chassis& chassis, const SolverBodies& bodies, Wheel& wheel) {
     const Number ahead = line_speed<Number>(chassis, wheel, wheel.along, bodies);
     wheel.ahead = real(ahead);
@@ -111,7 +113,7 @@ template <class Number> void turn_engine(Vehicle& v, Number by) {
     v.engine_speed = real(number<Number>(v.engine_speed) + by);
 }
 
-/// One visit of a coupling: its impulse takes its error away, as far as its cap allows.
+/// Solves a coupling once: its impulse removes its error, within its cap.
 template <class Number> void solve_coupling(Vehicle& v, Coupling& c) {
     Number error = number<Number>(c.engine) * number<Number>(v.engine_speed);
     Real answer = c.engine_answer;
@@ -155,7 +157,7 @@ template <class Number> void solve_couplings(Vehicle& v) {
         for (std::uint32_t k = 0; k < v.coupling_count; ++k) solve_coupling<Number>(v, v.coupling[k]);
 }
 
-/// The caps of this substep. True where all impulses have room in Small.
+/// Sets the caps of this substep. Returns true if Small has room for all impulses.
 template <class Number> bool begin_train(Vehicle& v) {
     turn_engine<Number>(v, engine_push<Number>(v));
     const Real closed = real(clutch_closed<Number>(v));
@@ -226,7 +228,7 @@ void prepare_train(Vehicle& v) {
             if ((diff.wheels_b >> g & 1u) != 0) c.group[g] = -(Real(1) / Real(std::popcount(diff.wheels_b)));
         }
     }
-    if (tracked) { // left faster than right by steer / ratio of the engine's speed
+    if (tracked) { // the left track is faster than the right one by steer / ratio of the engine's speed
         Coupling& c = v.coupling[v.coupling_count++];
         c = Coupling{};
         c.source = coupling_steering, c.engine = v.memory->steer / def.tracks.steer_ratio;
@@ -277,7 +279,7 @@ void prepare_rims(const StepConstants& step, Vehicle& v) {
     }
 }
 
-/// What follows from the definition alone.
+/// Computes the data that depends on the definition alone, unless it is cached.
 static void find_engine(const StepConstants& step, const EngineDef& def, EngineRow& engine) {
     static_assert(std::has_unique_object_representations_v<EngineDef>);
     if (engine.known_rate == step.substeps_per_second && std::memcmp(&engine.known, &def, sizeof def) == 0)

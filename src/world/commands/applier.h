@@ -1,4 +1,5 @@
-// Commands: each is checked as a whole first, then applied; an error leaves every byte as it was. One function a command.
+// Commands. Each command is checked as a whole, then applied; an error leaves every byte unchanged. One function for
+// each command.
 #pragma once
 
 #include "base/text.h"
@@ -10,9 +11,9 @@ namespace lockstone::sim {
 struct Applier {
     Model& w;
     PlacedShapes& placed;
-    const TickScratch& last_tick; ///< what contact points are made of
+    const TickScratch& last_tick; ///< source of the contact points
     ContactPoints& contact_points;
-    std::vector<std::byte>& canonical_row; ///< memory
+    std::vector<std::byte>& canonical_row; ///< scratch memory
 
     Result<World::Applied> operator()(const CreateBody& c);
     Result<World::Applied> operator()(const DestroyBody& c);
@@ -48,16 +49,17 @@ struct Applier {
     Result<World::Applied> operator()(const SetField& c);
     Result<World::Applied> operator()(const Explode& c);
 
-    /// Before a row, pose or material changes that contact points of the last tick are made of.
+    /// Call this before a change of a row, pose or material from which the contact points of the last tick are
+    /// computed.
     void keep_contact_points() const {
         find_contact_points(w, placed, last_tick.pose_before, last_tick.table.list, last_tick.found,
                             contact_points);
     }
-    /// As sim::wake and sim::wake_all.
+    /// Like sim::wake and sim::wake_all, but keep the contact points first.
     std::uint32_t wake(BodyId body);
     void wake_all();
-    void remove_character_of(BodyId body); ///< if it is one's; the body is left as it was
-    void remove_shape(std::uint32_t body_row, std::uint32_t slot); ///< the mass is left as it was
+    void remove_character_of(BodyId body);                         ///< if the body has one; the body stays
+    void remove_shape(std::uint32_t body_row, std::uint32_t slot); ///< the mass of the body stays
     void remove_vehicle(std::uint32_t slot);
     void remove_vehicle_of(BodyId chassis);
     void forget_filters_of(BodyId body);

@@ -18,7 +18,7 @@ using base::join;
 // ---- waking --------------------------------------------------------------------------------------------------
 
 std::uint32_t Applier::wake(BodyId body) {
-    if (!is_awake(w, w.row_of(body))) keep_contact_points(); // rows move
+    if (!is_awake(w, w.row_of(body))) keep_contact_points(); // waking moves rows
     return sim::wake(w, body);
 }
 
@@ -208,7 +208,7 @@ Result<World::Applied> Applier::operator()(const WriteGame& c) {
     if (row == Model::dead) return dead_body("write_game", c.body);
     const std::uint32_t column = w.m.game[c.column];
     const std::span<std::byte> bytes = w.state.edit_bytes(column, row, 1);
-    // Through the canonical form, so that a piece may end inside a field on any byte order.
+    // Writes through the canonical form, so that a piece may end inside a field on any byte order.
     std::vector<std::byte>& canonical = canonical_row;
     canonical.clear();
     append_canonical(bytes, entry.leaves, canonical);
@@ -219,7 +219,7 @@ Result<World::Applied> Applier::operator()(const WriteGame& c) {
 
 namespace {
 
-/// Whether a command that wakes nobody leaves rows, poses and materials as they are.
+/// True for commands that change no row, pose or material, except if they wake a body.
 struct LeavesContactPoints {
     template <class T> bool operator()(const T&) const { return false; }
     bool operator()(const SetVelocity&) const { return true; }

@@ -1,4 +1,4 @@
-// Bodies and shapes come and go; masses follow.
+// Creates and destroys bodies and shapes, and sets masses.
 #include "world/commands/applier.h"
 
 #include "lockstone/math/math.h"

@@ -1,4 +1,4 @@
-// Characters come and go, and are told what to do.
+// Creates and destroys characters, and sets their input.
 #include "world/commands/applier.h"
 
 #include "lockstone/math/math.h"
@@ -24,7 +24,7 @@ Result<World::Applied> Applier::operator()(const CreateCharacter& c) {
     const Result<Applied> made_body = (*this)(CreateBody{body});
     if (!made_body) return Error{"create_character: " + made_body.error().message};
     const Result<Applied> made_shape = (*this)(CreateShape{made_body->body, capsule_of(c.def, c.def.height)});
-    if (!made_shape) { // cannot be: the definition was checked, and there is room
+    if (!made_shape) { // cannot happen: the definition was checked, and there is room
         (void)(*this)(DestroyBody{made_body->body});
         return Error{"create_character: " + made_shape.error().message};
     }
@@ -40,7 +40,7 @@ Result<World::Applied> Applier::operator()(const CreateCharacter& c) {
     fresh.shape = made_shape->shape;
     fresh.def = c.def;
     fresh.def.up = normalized(c.def.up);
-    fresh.state.air_ticks = 1u << 31; // no jump before it has stood
+    fresh.state.air_ticks = 1u << 31; // so that it cannot jump before it has stood
     return Applied{.body = fresh.body, .shape = fresh.shape, .character = id};
 }
 

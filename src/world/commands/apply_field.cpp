@@ -1,4 +1,4 @@
-// Fields come, change and go; explosions.
+// Creates, changes and destroys fields; applies explosions.
 #include "world/commands/applier.h"
 
 #include "lockstone/math/math.h"
@@ -58,12 +58,13 @@ Result<World::Applied> Applier::operator()(const DestroyField& c) {
 
 namespace {
 
-/// The sum over a body's shapes, about its centre of mass.
+/// The sum of impulses over a body's shapes, about its centre of mass.
 struct Push {
     Vec3 linear{}, angular{};
 };
 
-/// What a blast gives a convex part at `pose` in the world; `center`: of the body's mass.
+/// Adds the impulse of a blast on a convex part at `pose`; `center`: the body's centre of mass. Both are in world
+/// space.
 void add_blast(const ExplosionDef& blast, const shapes::Solid& part, const Transform& pose, Vec3 center,
                Push& push) {
     const shapes::Extent extent = shapes::extent_of(part);
@@ -122,7 +123,7 @@ Result<World::Applied> Applier::operator()(const Explode& c) {
         if (push.linear != Vec3{} || push.angular != Vec3{})
             hits.push_back({w.state.rows(w.m.body_info)[row].id, push});
     }
-    // Waking moves rows, in the order of the ids wherever the rows were.
+    // Waking moves rows. It happens in the order of ids, so the result does not depend on where the rows were.
     std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.body < b.body; });
     for (const Hit& hit : hits) apply_impulse(w, wake(hit.body), hit.push.linear, hit.push.angular);
     return Applied{};

@@ -1,4 +1,4 @@
-// Joints come, change and go. Each stands in the lists of its bodies.
+// Creates, changes and destroys joints. Each joint is in the joint lists of its bodies.
 #include "world/commands/applier.h"
 
 #include "lockstone/math/math.h"
@@ -14,7 +14,7 @@ using base::join;
 
 namespace {
 
-/// Empty when the bodies can be joined.
+/// Returns an empty text if the bodies can be joined, else the error.
 std::string check_bodies(const Model& w, const JointDef& d) {
     const auto lives = [&](BodyId body) { return w.row_of(body) != Model::dead; };
     if (!lives(d.body_b))

@@ -1,4 +1,4 @@
-// Vehicles come, are driven and go.
+// Creates and destroys vehicles, and sets their input.
 #include "world/commands/applier.h"
 
 #include "model/sleep.h"
@@ -10,7 +10,7 @@ using base::join;
 
 namespace {
 
-/// The slot of the vehicle under a body, 0: none.
+/// The slot of the vehicle whose chassis is a body, 0: none.
 std::uint32_t vehicle_of(const Model& w, BodyId body) {
     for (const VehicleRow& row : w.state.rows(w.m.vehicle))
         if (row.def.chassis == body) return row.id.index;
@@ -66,7 +66,7 @@ Result<World::Applied> Applier::operator()(const SetVehicleInput& c) {
     const std::uint32_t row = w.row_of(c.vehicle);
     if (row == Model::dead) return dead("set_vehicle_input", "vehicle", c.vehicle);
     if (std::string e = validate(c.input); !e.empty()) return Error{"set_vehicle_input: " + e};
-    if (w.state.rows(w.m.vehicle)[row].input == c.input) return Applied{}; // a parked car may sleep
+    if (w.state.rows(w.m.vehicle)[row].input == c.input) return Applied{}; // lets a parked car sleep
     w.state.edit_row(w.m.vehicle, row).input = c.input;
     wake(w.state.rows(w.m.vehicle)[row].def.chassis);
     return Applied{};

@@ -1,7 +1,7 @@
-// Single axes of packed joints, written once over the lanes L: springs, motors, friction and limits, with the point of the joint taken along
-// as axis_with_point.h has it. See solve/joints/joint_pack.h for the formats.
+// Single axes of packed joints, written once for all lane widths L: springs, motors, friction and limits, including
+// the point of the joint as in axis_with_point.h. See solve/joints/joint_pack.h for the formats.
 //
-// Included by kernel.h. Joints: its PackedJoints, which has the velocities.
+// Only kernel.h includes this file. Joints: its PackedJoints, which defines the velocities.
 #pragma once
 
 #include "solve/joints/pack/joint_pack.h"
@@ -34,21 +34,21 @@ template <class L, class Joints> class JointAxes {
     template <int Bits> static V rounded_off(V x) {
         return L::template shift_right_signed<Bits>(L::add(x, L::splat(std::int64_t{1} << (Bits - 1))));
     }
-    /// x / 2^shift, rounded; shifts from 1 on.
+    /// x / 2^shift, rounded; shift at least 1
     static V rounded_by(V x, V shift) {
         return L::shift_right_by(L::add(x, L::shift_left_by(L::splat(1), L::sub(shift, L::splat(1)))), shift);
     }
     static V between(V x, V least, V most) { return Joints::between(x, least, most); }
-    /// Lanes where x is not within 2^Bits, either sign.
+    /// Lanes where x is outside -2^Bits .. 2^Bits.
     template <int Bits> static V beyond(V x) {
         return L::greater64(L::template shift_right<Bits + 1>(L::add(x, L::splat(std::int64_t{1} << Bits))),
                             L::splat(0));
     }
     static bool acts(const Axis& x, unsigned lane) { return Mask::load(&x.acts[lane]).any(); }
 
-    // ---- the direction that takes the point along ----------------------------------------------------------------
+    // ---- the direction d that includes the point -----------------------------------------------------------------
 
-    /// A sum of products of rows and responses of one side, 56 fraction bits, as its part of a mobility.
+    /// Converts a sum of products of rows and responses of one side, 56 fraction bits, to its part of a mobility.
     static V mobility(V sum, const Side& side, unsigned lane) {
         constexpr int drop = 2 * row_bits - solve::mobility_bits, most = 60;
         if (!side.shifts) return rounded_off<drop>(sum);
@@ -60,7 +60,7 @@ template <class L, class Joints> class JointAxes {
         for (int i = 1; i < 3; ++i) sum = L::add(sum, L::mul(L::load32(&x[i][lane]), L::load32(&y[i][lane])));
         return sum;
     }
-    /// A^-1 C, row_bits. Returns the lanes where it has no room.
+    /// Computes A^-1 C, row_bits. Returns the lanes where it does not fit.
     static V find_answer(const Pack& c, const Axis& x, unsigned lane, V (&answer)[3]) {
         V coupling[3], fails = L::splat(0);
         for (int r = 0; r < 3; ++r) {
@@ -82,7 +82,7 @@ template <class L, class Joints> class JointAxes {
         }
         return fails;
     }
-    /// d of one side: along x y z, about x y z. Returns the lanes where it has no room.
+    /// Computes d of one side: linear, then angular. Returns the lanes where it does not fit.
     template <int Sign>
     static V lead_row(const Side& side, const Rows (&axis)[3], V one, const V (&answer)[3], unsigned lane,
                       V (&row)[6]) {
@@ -97,7 +97,8 @@ template <class L, class Joints> class JointAxes {
         for (const V& entry : row) fails = L::either(fails, beyond<30>(entry));
         return fails;
     }
-    /// Writes d of one side and its responses. Returns its part of the mobility.
+    /// Writes d of one side and its responses; lanes in `fails` get the axis alone. Returns the side's part of the
+    /// mobility.
     static V write_side(const Side& side, unsigned lane, V fails, const Rows (&axis_j)[3],
                         const Rows (&axis_r)[3], const V (&row)[6], Rows (&j)[6], Rows (&r)[6]) {
         const V share = L::load32(&side.share[lane]), half = L::splat(std::int64_t{1} << (unit_bits - 1));
@@ -112,7 +113,8 @@ template <class L, class Joints> class JointAxes {
         }
         return mobility(sum, side, lane);
     }
-    /// 1 / k as mantissas and shifts, as invert_mobility() finds it, of k that is 2^-29 or more; zero where it is not above zero.
+    /// 1 / k as mantissas and shifts, like invert_mobility(). k counts as at least 2^-29, and the result is zero for
+    /// k <= 0.
     static void invert(V k, V& mantissa, V& shift) {
         std::int64_t m[N], by[N];
         L::store64(m, k);
@@ -132,7 +134,7 @@ template <class L, class Joints> class JointAxes {
     }
 
   public:
-    /// d of the axes of a pack, its responses and its inverse, by the rows of the point as they are now.
+    /// Computes d of the axes of a pack, its responses and its inverse, from the present rows of the point.
     static void join(const Pack& c, Axis* axes, unsigned lane) {
         for (std::uint32_t k = 0; k < c.axis_count; ++k) {
             Axis& x = axes[c.first_axis + k];
@@ -159,7 +161,7 @@ template <class L, class Joints> class JointAxes {
   private:
     // ---- passes --------------------------------------------------------------------------------------------------
 
-    /// J . (v, u) of all six entries of both sides, or of the last three.
+    /// J . (v, u) of all six entries of both sides (First = 0), or of the angular ones (First = 3).
     template <int First>
     [[gnu::always_inline]] static Speed speed_along(const Rows* ja, const Rows* jb, unsigned lane,
                                                     const Motion& m) {
@@ -206,9 +208,9 @@ template <class L, class Joints> class JointAxes {
         Joints::keep_small(m, Joints::or_size(Speed::splat(0), change));
     }
 
-    /// Towards the speed -bias, with impulses from `low` to `high`. An impulse at a bound, which the speed would push beyond it, stays.
-    /// `pushes`: lanes where what is beyond its limit is pushed back, as by the axis alone: arms on arms gain energy where they are pushed
-    /// as hard as they are stopped.
+    /// Drives the speed towards -bias, with impulses from `low` to `high`. Skips lanes whose impulse is at a bound
+    /// and would be pushed beyond it. `pushes`: lanes with an exceeded limit. Their push back uses the axis without
+    /// the point: arms on arms gain energy if they are pushed as hard as they are stopped.
     [[gnu::always_inline]] static void lead(Axis& x, Pack& c, Rows& impulse, Mask has, Speed bias, Speed low,
                                             Speed high, Mask pushes, unsigned lane, Motion& m,
                                             std::uint64_t& clamped) {
@@ -244,13 +246,13 @@ template <class L, class Joints> class JointAxes {
     }
 
   public:
-    /// One pass over the axes of a pack, in their order.
+    /// One pass over the axes of a pack, in order.
     static void solve(Pack& c, Axis* axes, unsigned lane, bool bias, Motion& m, std::uint64_t& clamped) {
         const Speed nothing = Speed::splat(0), most = Speed::splat(impulse_max);
         for (std::uint32_t k = 0; k < c.axis_count; ++k) {
             Axis& x = axes[c.first_axis + k];
             if (!acts(x, lane)) continue;
-            // A spring gives its impulse once a substep; relaxing takes nothing of it back.
+            // A spring applies its impulse once per substep; the relaxation does not change it.
             if (bias) spring(x, c, lane, m);
             if (const Mask has = Mask::load(&x.has_motor[lane]); has.any()) {
                 const Speed bound = Speed::load(&x.motor_bound[lane]), of = Speed::load(&x.motor_bias[lane]);
@@ -266,7 +268,7 @@ template <class L, class Joints> class JointAxes {
             }
         }
     }
-    /// The impulses that the axes of a pack have, on one of its sides.
+    /// Applies the impulses of the axes of a pack to one of its sides.
     template <int Sign>
     static void warm_side(const Pack& c, Axis* axes, unsigned lane, bool sums, Velocity (&v)[6]) {
         for (std::uint32_t k = 0; k < c.axis_count; ++k) {

@@ -1,7 +1,7 @@
-// How bodies that joints hold have turned since the tick began, written once over the lanes L: a body once for all its joints.
-// See solve/joints/pack/joint_pack.h for the formats and the series.
+// Turns of bodies with joints since the tick began, written once for all lane widths L. Each body is computed once
+// for all its joints. See solve/joints/pack/joint_pack.h for the formats and the series.
 //
-// Included as kernel.h, by which this is used.
+// Only kernel.h includes this file.
 #pragma once
 
 #include "solve/joints/pack/joint_pack.h"
@@ -25,7 +25,7 @@ template <class L> class TurnedLanes {
         x = L::select(L::greater64(x, most), most, x);
         return L::select(L::greater64(least, x), least, x);
     }
-    /// K^-1 x / 2^shift: 30 bits times 32, three times.
+    /// K^-1 x / 2^shift: 30 bits times 32, three times, clamped to `limit`.
     static void over_gyration(const Held& held, unsigned lane, const V (&x)[3],
                               const Lanes<std::int64_t>& shift, std::int64_t limit, V (&out)[3]) {
         const V by = L::load64(&shift[lane]), most = L::splat(limit), least = L::splat(-limit);
@@ -36,12 +36,12 @@ template <class L> class TurnedLanes {
             out[i] = between(L::shift_right_by(sum, by), least, most);
         }
     }
-    /// The matrix of the quaternion of a turn by phi, row by row.
+    /// The rotation matrix of a turn by phi, by rows.
     static void matrix_of(const V (&phi)[3], V (&m)[9]) {
         constexpr std::int64_t one = std::int64_t{1} << unit_bits;
         V q[4], square = L::splat(0);
         for (const V& x : phi) square = L::add(square, L::mul(x, x));
-        // h has the bits of phi and one fraction bit more.
+        // h has the bits of phi and one more fraction bit.
         const V z = L::template shift_right<2 * (solve::pack_angle_bits + 1) - unit_bits>(square);
         const auto by = [](V x, std::int64_t factor) {
             return L::template shift_right<unit_bits>(L::mul(x, L::splat(factor)));
@@ -66,7 +66,8 @@ template <class L> class TurnedLanes {
         m[6] = twice(L::sub(xz, wy)), m[7] = twice(L::add(yz, wx));
         m[8] = L::sub(whole, twice(L::add(xx, yy)));
     }
-    /// Lanes in which phi is further than 2^-bits rad about an axis from where it was when the body strayed last; there it is that now.
+    /// Lanes in which phi has changed by more than 2^-bits rad about an axis since `last`. In these lanes, sets
+    /// `last` to phi.
     static V stray(const Held& held, const V (&phi)[3], Lanes<std::int32_t> (&last)[3], unsigned lane,
                    V stirred, int bits) {
         const V most = L::splat(std::int64_t{1} << (solve::pack_angle_bits - bits)),

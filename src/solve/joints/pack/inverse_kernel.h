@@ -1,10 +1,11 @@
-// The inverses of the rows of packed joints, written once over the lanes L: of points, and of hinges about their axes. Bit for bit those
-// of solve/joints/joint_rows.h, by Cramer's rule on 31 bits; what that rule leaves to pivots, or what does not fit into the
-// low half of a lane, is left to the caller. See solve/joints/pack/joint_pack.h for the formats.
+// Inverses of the rows of packed joints, written once for all lane widths L: of points, and of hinges about their
+// axes. Results equal those of solve/joints/joint_rows.h bit for bit: both use Cramer's rule on 31 bits. Lanes that
+// need pivots, or whose numbers do not fit into the low half of a lane, are left to the caller. See
+// solve/joints/pack/joint_pack.h for the formats.
 //
 //   k = sum over both sides of share (X X^T + one^2 1)      k^-1 = adjugate / determinant
 //
-// Included as kernel.h, by which this is used.
+// Only kernel.h includes this file.
 #pragma once
 
 #include "solve/joints/pack/joint_pack.h"
@@ -21,13 +22,13 @@ template <class L> class JointInverses {
     using V = typename L::V;
     template <class T> using Lanes = T[all_lanes];
     using Rows = const Lanes<std::int32_t> (*)[3];
-    static constexpr int k_bits = 31; ///< of k once its largest diagonal entry is in [1/2, 1)
-    static constexpr int spare = 8;   ///< bits of k below its 48 fraction bits until then, which are zero
+    static constexpr int k_bits = 31; ///< of k, scaled so that its largest diagonal entry is in [1/2, 1)
+    static constexpr int spare = 8;   ///< zero bits of k below its 48 fraction bits before scaling
     static constexpr std::int64_t k_end = std::int64_t{1} << k_bits, determinant_min = std::int64_t{1} << 44;
     /// Lower triangle by rows, as Inverse: 11, 21, 22, 31, 32, 33.
     using Symmetric = V[6];
 
-    /// What the bodies of one side add to k.
+    /// The part of one side in k.
     struct Side {
         Rows point, hinge;
         const Lanes<std::int32_t>& share;
@@ -38,18 +39,18 @@ template <class L> class JointInverses {
         Pack* pack;
         unsigned lane;
     };
-    /// Lanes that are inverted at once.
+    /// Lanes that are inverted together.
     struct Lot {
         const Lanes<std::int32_t>&one, &generic, &stale;
         Side a, b;
         bool hinges;
-        Target first;         ///< lanes that follow each other in a pack
-        const Target* others; ///< what the inverses are for if not those
+        Target first;         ///< consecutive lanes of a pack
+        const Target* others; ///< targets of the inverses instead, or nullptr
         Target target(unsigned i) const {
             return others != nullptr ? others[i] : Target{first.pack, first.lane + i};
         }
     };
-    /// Stale lanes of several packs, side by side. The others are zero, or what was there before.
+    /// Stale lanes of several packs, side by side. Other lanes contain zeros or old values.
     class Gathered {
         struct Own {
             Lanes<std::int32_t> point[3][3], hinge[2][3], share;
@@ -75,7 +76,7 @@ template <class L> class JointInverses {
         }
 
       public:
-        /// Returns whether it is full.
+        /// Adds a lane. Returns true if all lanes are used.
         bool add(const Data& data, Pack& c, unsigned lane) {
             one[count] = c.one[lane], stale[count] = -1;
             copy(c.a, lane, a, count), copy(c.b, lane, b, count);
@@ -97,7 +98,7 @@ template <class L> class JointInverses {
         }
     };
 
-    /// Where the highest bit that is set stands in what is not zero.
+    /// Index of the highest bit that is set. x must not be zero.
     static std::int64_t highest_bit(std::int64_t x) {
         return static_cast<unsigned>(63 ^ std::countl_zero(static_cast<std::uint64_t>(x) | 1u));
     }
@@ -107,14 +108,14 @@ template <class L> class JointInverses {
         for (std::int64_t& lane : lanes) lane = highest_bit(lane);
         return L::from_lanes(lanes);
     }
-    /// Lanes that are below zero or not below 2^Bits.
+    /// Lanes that are negative, or at least 2^Bits.
     template <int Bits> static V beyond(V any) {
         return L::greater64(L::template shift_right<Bits>(any), L::splat(0));
     }
 
-    /// share * dot with 48 fraction bits, rounded down, and zeros for the spare ones; dot has 56 and is below 2^60.
+    /// share * dot with 48 fraction bits, rounded down, and `spare` zero bits; dot has 56 and is below 2^60
     static V shared(V dot, V share, const Side& side, unsigned lane) {
-        constexpr int low_bits = 30; // so that both parts are within the low half
+        constexpr int low_bits = 30; // both parts fit into the low half
         const V high = L::mul(L::template shift_right<low_bits>(dot), share);
         const V low = L::mul(L::both(dot, L::splat((std::int64_t{1} << low_bits) - 1)), share);
         V sum = L::add(high, L::template shift_right<low_bits>(low));
@@ -125,7 +126,7 @@ template <class L> class JointInverses {
         }
         return L::both(sum, L::splat(-(std::int64_t{1} << spare)));
     }
-    /// x x^T of the rows of a side, one^2 on its diagonal; Add: to what is there.
+    /// x x^T of the rows of a side, plus one^2 on the diagonal. Add: adds it to k instead of writing k.
     template <unsigned Size, bool Add>
     static void add_side(Rows x, V square, const Side& side, unsigned lane, Symmetric& k) {
         const V share = L::load32(&side.share[lane]);
@@ -142,19 +143,21 @@ template <class L> class JointInverses {
             }
     }
 
-    /// x / 2^by + 2^31, rounded: from 0 to 2^32 where the quotient has 32 bits. |x| is below 2^(31 + by), or `by` at most 31.
+    /// x / 2^by + 2^31, rounded: from 0 to 2^32 if the quotient has 32 bits. |x| must be below 2^(31 + by), or `by`
+    /// at most 31.
     static V rounded_by(V x, V by) {
         constexpr std::int64_t half_and_end = (std::int64_t{1} << 32) + 1;
         const V plus = L::shift_left_by(L::splat(half_and_end), L::sub(by, L::splat(1)));
         return L::shift_right_logical_by(L::add(x, plus), by);
     }
-    /// k 2^-shift, its largest diagonal entry from 2^30 to 2^31. Returns the lanes where that is not to be had by a shift down.
+    /// Scales k to k 2^-shift, with the largest diagonal entry from 2^30 to 2^31. Returns the lanes for which that is
+    /// not possible with a shift down.
     template <int Count> static V normalize(Symmetric& k, V& shift) {
         V largest = k[0];
         for (const int i : {2, 5})
             if (i < Count) largest = L::select(L::greater64(k[i], largest), k[i], largest);
         const V end = L::splat(k_end << spare);
-        // By more than the spare bits, though lanes may be too small for that.
+        // Shifts by more than the spare bits, even in lanes whose numbers are too small for that.
         shift = L::sub(highest_bits(L::either(largest, end)), L::splat(k_bits - 1));
         V any = L::splat(0);
         for (int i = 0; i < Count; ++i) {
@@ -163,34 +166,34 @@ template <class L> class JointInverses {
         }
         return L::either(beyond<k_bits + 1>(any), L::greater64(end, largest));
     }
-    /// x y - z w of low halves.
+    /// x y - z w of low halves
     static V minor(V x, V y, V z, V w) { return L::sub(L::mul(x, y), L::mul(z, w)); }
     static V magnitude(V x) {
         const V nothing = L::splat(0);
         return L::select(L::greater64(nothing, x), L::sub(nothing, x), x);
     }
 
-    /// Sum of a m over the first row of k, which is a, and its minors, shifted down by 31 bits and rounded.
+    /// Sum of a m over the first row a of k and its minors m, shifted down by 31 bits and rounded.
     static V determinant(const V (&a)[3], const V (&m)[3]) {
         const V low = L::splat((std::int64_t{1} << 31) - 1);
         V sum[3], part[3];
         for (int i = 0; i < 3; ++i)
             sum[i] = L::mul(a[i], L::template shift_right<31>(m[i])),
             part[i] = L::mul(a[i], L::both(m[i], low));
-        // All three have no room in 64 bits; the first is that of the diagonal, and not below zero.
+        // The sum of all three parts does not fit into 64 bits. The first one, of the diagonal, is not negative.
         const V rest = L::add(L::add(part[1], part[2]), L::splat(std::int64_t{1} << 30));
         const V carried = L::template shift_right<31>(L::add(L::both(part[0], low), L::both(rest, low)));
         const V high = L::add(L::template shift_right<31>(part[0]), L::template shift_right_signed<31>(rest));
         return L::add(L::add(L::add(sum[0], sum[1]), sum[2]), L::add(high, carried));
     }
 
-    /// An inverse in lanes, as solve::PackInverse.
+    /// Inverses in lanes, in the format of solve::PackInverse.
     struct Inverses {
         V m[6], shift, half, odd;
-        V left; ///< lanes that it does not hold
+        V left; ///< lanes without a valid inverse
     };
-    /// numerator / determinant, the numerator of 31 bits. Its shift is `more` than the highest bit of the determinant, which is at least
-    /// determinant_min where `left` is not set.
+    /// numerator / determinant; the numerator has 31 bits. The shift of the result is `more` plus the index of the
+    /// highest bit of the determinant, which is at least determinant_min except in `left` lanes.
     template <int Count> static Inverses quotient(const Symmetric& numerator, V det, V more, V left) {
         std::int64_t top[N], q[N];
         L::store64(top, L::select(left, L::splat(determinant_min), det));
@@ -222,14 +225,14 @@ template <class L> class JointInverses {
         Symmetric adjugate = {minor(k[2], k[5], k[4], k[4]), minor(k[3], k[4], k[1], k[5]),
                               minor(k[0], k[5], k[3], k[3]), minor(k[1], k[4], k[2], k[3]),
                               minor(k[1], k[3], k[0], k[4]), minor(k[0], k[2], k[1], k[1])};
-        // Those on the diagonal are below zero only where rounding makes them so: such lanes are left.
+        // Diagonal entries are negative only because of rounding; such lanes are left.
         V any = L::either(L::either(adjugate[0], adjugate[2]), adjugate[5]);
         for (const int i : {1, 3, 4}) any = L::either(any, magnitude(adjugate[i]));
         const V first[3] = {k[0], k[1], k[3]}, minors[3] = {adjugate[0], adjugate[1], adjugate[3]};
         const V det = determinant(first, minors);
         left = L::either(left, L::either(beyond<62>(any), L::greater64(L::splat(determinant_min), det)));
 
-        // At least 1, as it is where nothing is left.
+        // At least 1, as it is in lanes that are not left.
         const V cut = L::sub(highest_bits(L::either(any, L::splat(k_end))), L::splat(k_bits - 1));
         V over = L::splat(0);
         for (V& entry : adjugate) {
@@ -240,7 +243,7 @@ template <class L> class JointInverses {
         const V more = L::add(L::sub(drop, cut), L::splat(13 - spare - k_bits));
         return quotient<6>(adjugate, det, more, left);
     }
-    /// With two rows the adjugate is made of entries of k: it has 31 bits as it is.
+    /// With two rows the adjugate consists of entries of k, so it already has 31 bits.
     static Inverses invert_hinges(const Lot& lot) {
         const unsigned lane = lot.first.lane;
         Symmetric k;
@@ -258,7 +261,7 @@ template <class L> class JointInverses {
         for (int i = 0; i < Count; ++i) L::store32(&to.m[i][lane], x.m[i]);
         L::store64(&to.shift[lane], x.shift), L::store64(&to.half[lane], x.half);
     }
-    /// Writes the lanes of a mask but those that are left, to inverse_of(pack). Returns the bits of those that are.
+    /// Writes the lanes of a mask to inverse_of(pack), except lanes that are left. Returns the latter as bits.
     template <int Count, class InverseOf>
     static unsigned write(const Lot& lot, V mask, const Inverses& x, InverseOf&& inverse_of) {
         constexpr unsigned all = (1u << N) - 1;
@@ -282,12 +285,12 @@ template <class L> class JointInverses {
         }
         return L::lanes_of(mask) & ~ready;
     }
-    /// Notes which lanes of packs are left.
+    /// Marks the lanes of packs that are left.
     static void leave(const Lot& lot, unsigned left, std::uint32_t Pack::*lanes) {
         for (unsigned i = 0; left != 0; ++i, left >>= 1)
             if ((left & 1u) != 0) lot.target(i).pack->*lanes |= 1u << lot.target(i).lane;
     }
-    /// Returns whether some lanes are left.
+    /// Returns nonzero if some lanes are left.
     [[gnu::noinline]] static unsigned invert(const Data& data, const Lot& lot) {
         const V stale = L::load32(&lot.stale[lot.first.lane]);
         const auto of_points = [](Pack& c) -> solve::PackInverse& { return c.inverse; };
@@ -300,7 +303,7 @@ template <class L> class JointInverses {
         leave(lot, hinges, &Pack::hinges_left);
         return points | hinges;
     }
-    /// The lanes of a pack from `lane` on.
+    /// Inverts the lanes of a pack from `lane` on.
     static unsigned invert(const Data& data, Pack& c, unsigned lane) {
         const auto side = [](const solve::PackSide& s, Rows hinge) {
             return Side{s.x, hinge, s.share, s.shift, s.shifts};
@@ -317,8 +320,9 @@ template <class L> class JointInverses {
     static unsigned but_lowest(unsigned bits) { return bits & (bits - 1); }
 
   public:
-    /// Inverses of the stale lanes of packs [first, last); those of packs with one or two are made side by side. Returns whether some
-    /// are left to the caller: JointPack::points_left, hinges_left.
+    /// Computes the inverses of the stale lanes of packs [first, last). Stale lanes of packs that have only one or
+    /// two are gathered and inverted together. Returns true if some are left to the caller: JointPack::points_left,
+    /// hinges_left.
     static bool invert(const Data& data, std::uint32_t first, std::uint32_t last) {
         unsigned left = 0;
         Gathered gathered[2];

@@ -1,11 +1,11 @@
-// Single axes of joints into the lanes of their packs, and impulses out of them.
+// Copies single axes of joints to the lanes of their packs, and impulses back.
 #include "solve/joints/joint_work.h"
 
 namespace lockstone::solve {
 
 namespace {
 
-/// visit(axis, its lanes) for the axes of a joint in a pack.
+/// Calls visit(axis, its AxisPack) for the axes of a joint in a pack.
 template <class Visit> void for_axes(JointTick& tick, const JointWork& work, const Visit& visit) {
     const std::uint32_t first = tick.packs[work.pack].first_axis;
     for (std::uint32_t k = 0; k < work.axis_count; ++k)
@@ -24,7 +24,8 @@ void put_biases(const JointAxisPart& part, AxisPack& to, std::uint32_t lane) {
     to.upper_bias[lane] = part.upper_bias, to.upper_relax[lane] = part.upper_relax;
 }
 
-/// Shifts of lanes begin at 1: of an axis that turns more easily than that, the inverse is the largest that there is.
+/// Shifts in lanes are at least 1. If an axis turns so easily that its inverse exceeds that, it gets the largest
+/// inverse.
 void put_inverse(const Inverse& inverse, AxisPack& to, std::uint32_t lane) {
     constexpr std::int32_t most = (1 << 30) - 1;
     const bool fits = inverse.shift >= 1 && inverse.shift <= 62;

@@ -1,5 +1,5 @@
-// Where the bodies are that joints hold, as packs read it. Lanes find it by theta; of bodies that have turned far or are followed
-// (followed_turn.h) it is found here, by their rotations.
+// Placement of bodies with joints, as packs read it. Lanes compute it from theta. For bodies that turned far or are
+// followed (followed_turn.h), this file computes it from their rotations.
 #include "solve/joints/joint_motion.h"
 #include "solve/joints/joint_work.h"
 
@@ -11,10 +11,10 @@
 
 namespace lockstone::solve {
 
-/// HeldBodies that a worker does at a time.
+/// HeldBodies per chunk of work
 static constexpr std::uint32_t groups_chunk = body_chunk / (2 * pack_lanes);
 
-/// Of a body whose turn theta does not tell from now on.
+/// Marks a body whose turn theta cannot represent from now on.
 static void give_body(JointTick& tick, std::uint32_t at) {
     if (tick.bodies[at].given) return;
     tick.bodies[at].given = true;
@@ -22,7 +22,7 @@ static void give_body(JointTick& tick, std::uint32_t at) {
     tick.given.push_back(at);
 }
 
-/// HeldBodies [first, last) as the tick begins.
+/// Fills HeldBodies [first, last) for the start of the tick.
 static void hold_groups(JointTick& tick, const SolverBodies& bodies, std::uint32_t first,
                         std::uint32_t last) {
     const std::size_t count = tick.bodies.size();
@@ -60,7 +60,7 @@ void hold_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
 
 namespace {
 
-/// The matrix of a quaternion, to the bits of lanes.
+/// Writes the rotation matrix of a quaternion, with the same bits as lanes.
 void set_turn(TurnedBody& to, Quat turn) {
     const std::int64_t q[4] = {turn.x.raw, turn.y.raw, turn.z.raw, turn.w.raw};
     const auto twice = [](std::int64_t sum) { return shift_right_rounded(sum, Unit::fraction_bits - 1); };
@@ -72,7 +72,7 @@ void set_turn(TurnedBody& to, Quat turn) {
     }
 }
 
-/// K^-1 u, cut off as in lanes.
+/// Writes K^-1 u, truncated and clamped as in lanes.
 void set_spin(TurnedBody& to, const BodyStep& step, const SolverBody& body) {
     constexpr std::int64_t most = std::int64_t{1} << 30;
     const auto& [xx, yy, zz, xy, xz, yz] = step.inv_mantissa;
@@ -86,7 +86,7 @@ void set_spin(TurnedBody& to, const BodyStep& step, const SolverBody& body) {
     set(to.spin[2], xz * x + yz * y + zz * z);
 }
 
-/// Of a body whose turn theta does not tell.
+/// Computes the placement of a body whose turn theta cannot represent.
 void turn_given(JointTick& tick, std::uint32_t at, const SolverBodies& bodies) {
     const std::uint32_t body = tick.bodies[at].body;
     const Transform& pose = tick.pose[body];
@@ -114,7 +114,7 @@ void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, 
         if ((tick.seen[at + 1] & seen_far) != 0) give_body(tick, at);
         if (!tick.bodies[at].given) continue;
         turn_given(tick, at, bodies);
-        // Other than after a substep: followed bodies have been stopped since.
+        // The substep stored the angular velocity of a followed body, but joint_close.cpp has stopped the body since.
         set_spin(tick.turned[at + 1], bodies.step[tick.bodies[at].body], bodies.body[tick.bodies[at].body]);
     }
 }

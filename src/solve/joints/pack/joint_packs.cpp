@@ -1,4 +1,4 @@
-// Where packs of joints stand in the order of solving, and what goes in and out of their lanes.
+// Planning of packs in the order of solving, and transfer of data to and from their lanes.
 #include "solve/joints/pack/joint_point.h"
 
 #include "solve/joints/joint_strands.h"
@@ -9,7 +9,7 @@ namespace lockstone::solve {
 
 namespace {
 
-/// Whether a pack takes a joint's point: no tree solves it.
+/// True if a pack takes the point of a joint.
 bool is_packed(const JointWork& w, const SolverBodies& bodies) {
     return w.point && w.tree == no_tree && fits_pack(w.a.body, bodies) && fits_pack(w.b.body, bodies);
 }
@@ -36,7 +36,7 @@ void set_share(PackSide& side, unsigned lane, Share share, const JointWorkSide& 
     side.shifts = side.shifts || share.shift != 0;
 }
 
-/// What kind of pack a joint goes into: rows that turn before its point, those of a hinge, or none.
+/// Kinds of packs: 0 to 3 rows without linear part, hinges, or no pack.
 constexpr std::uint32_t pack_kinds = 6, hinge_kind = 4, no_kind = 5;
 std::uint32_t kind_of(const JointTick& tick, const JointWork& w) {
     if (w.pack == no_pack) return no_kind;
@@ -44,13 +44,14 @@ std::uint32_t kind_of(const JointTick& tick, const JointWork& w) {
     return w.turns_packed ? tick.blocks[w.first_block].count : 0;
 }
 
-/// Whether x of B is locked to x of A.
+/// True if x of B is locked to x of A. Wheels are excluded.
 bool is_hinge(const JointDef& def, const JointBlock& block) {
     return def.kind != JointKind::wheel && block.count == 2 && block.kind[0] == RowKind::lock_y &&
-           block.kind[1] == RowKind::lock_z; // whose impulses are those of about_y and about_z
+           block.kind[1] == RowKind::lock_z; // the impulses of these rows are stored in about_y and about_z
 }
 
-/// Room for the packs of `counts`, joints by kind from the second entry on, and for no more: they are large.
+/// Reserves exactly the packs that `counts` requires (number of joints by kind, from the second entry on), because
+/// packs are large.
 void reserve_packs(JointTick& tick) {
     std::size_t packs = 0, turns = 0;
     for (std::uint32_t key = 0; key + 1 < tick.counts.size(); ++key) {
@@ -88,7 +89,7 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
     set_share(pack.a, w.lane, w.shares.a, w.a);
     set_share(pack.b, w.lane, w.shares.b, w.b);
     const auto set_held = [&](PackSide& side, const JointWorkSide& s, const JointFrame& frame) {
-        if (s.world) return; // zero is the world's
+        if (s.world) return; // entry 0 is the world
         side.held[w.lane] = s.cache * static_cast<std::uint32_t>(sizeof(JointBody));
         side.turned[w.lane] = (s.cache + 1) * static_cast<std::uint32_t>(sizeof(TurnedBody));
         for (int i = 0; i < 3; ++i) side.own_lever[i][w.lane] = frame.lever[i].raw;
@@ -125,10 +126,10 @@ JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* 
             step.substep_time.raw};
 }
 
-/// Stages and what packs take, joint by joint. Returns how many stages there are.
+/// Finds the stage of each joint, and the joints that go into packs. Returns the number of stages.
 static std::uint32_t plan_stages(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
     tick.last_stage.assign(tick.bodies.size(), 0);
-    const bool packs = pack_rate(step) < 1 << 27; // its products have room for no more
+    const bool packs = pack_rate(step) < 1 << 27; // above that its products overflow
     std::uint32_t stage_count = 0;
     for (JointWork& w : tick.joints) {
         find_stage(tick, w, bodies);
@@ -137,19 +138,19 @@ static std::uint32_t plan_stages(JointTick& tick, const StepConstants& step, con
             if (w.point) add_point_block(tick, w);
             continue;
         }
-        w.pack = 0; // which one follows
+        w.pack = 0; // the index is assigned later
         w.turns_packed = w.block_count == 1 && only_turns(tick.blocks[w.first_block].kind[0]);
         w.hinge = w.turns_packed && is_hinge(*w.def, tick.blocks[w.first_block]);
     }
     return stage_count;
 }
 
-/// tick.counts[k + 1]: joints of key k.
+/// Sets tick.counts[k + 1] to the number of joints with key k.
 template <class Key> static void count_by(JointTick& tick, std::uint32_t keys, const Key& key) {
     tick.counts.assign(keys + 1, 0);
     for (const JointWork& w : tick.joints) ++tick.counts[key(w) + 1];
 }
-/// Joints in the order of their keys, and of one key in the order they had. Counts of count_by() become where those of each key end.
+/// Sorts joints by key; joints with equal keys keep their order. Then tick.counts[k] is the end of key k.
 template <class Key> static void sort_by(JointTick& tick, const Key& key) {
     for (std::size_t i = 1; i < tick.counts.size(); ++i) tick.counts[i] += tick.counts[i - 1];
     tick.before_sort.swap(tick.in_order);
@@ -157,8 +158,9 @@ template <class Key> static void sort_by(JointTick& tick, const Key& key) {
     for (const std::uint32_t i : tick.before_sort) tick.in_order[tick.counts[key(tick.joints[i])]++] = i;
 }
 
-/// Sorts joints by stage, strand and kind. Which joints a pack holds does not depend on strands: closing open points (joint_close.cpp) takes whole
-/// packs. So a pack is of the strand of its first joint. Returns how many strands there are.
+/// Sorts joints by stage, strand and kind, and returns the number of strands. Packs must contain the same joints for
+/// every number of strands, since joint_close.cpp processes whole packs. A pack therefore gets the strand of its
+/// first joint.
 static std::uint32_t sort_joints(JointTick& tick, std::uint32_t stage_count, std::uint32_t workers) {
     tick.in_order.resize(tick.joints.size());
     for (std::uint32_t i = 0; i < tick.joints.size(); ++i) tick.in_order[i] = i;
@@ -189,7 +191,7 @@ static std::uint32_t sort_joints(JointTick& tick, std::uint32_t stage_count, std
     return strands;
 }
 
-/// Entries for the axes of each pack; those of lanes that have none act in no pass.
+/// Adds entries for the axes of each pack. Lanes without an axis have acts = 0.
 static void plan_axes(JointTick& tick) {
     for (std::uint32_t p = 0; p < tick.packs.size(); ++p) {
         JointPack& pack = tick.packs[p];
@@ -254,7 +256,7 @@ void restart_pack(JointTick& tick, JointPack& pack) {
 }
 
 void start_points(JointTick& tick, std::uint32_t p) {
-    constexpr std::int64_t far = std::int64_t{1} << 58; // leaves room for levers and for what bodies move
+    constexpr std::int64_t far = std::int64_t{1} << 58; // leaves room for levers and for the motion of bodies
     JointPack& pack = tick.packs[p];
     for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
         const auto centre = [&](const PackSide& side, JointFrame JointWork::*own) {

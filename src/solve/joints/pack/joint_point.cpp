@@ -11,13 +11,13 @@ namespace lockstone::solve {
 namespace {
 
 void set_arm_shift(PackSide& side, std::uint32_t lane, int exponent) {
-    // Beyond 62 nothing is left of sums below 2^61.
+    // A shift by 62 leaves nothing of sums below 2^61.
     const std::int64_t shift = side.spin_shift[lane] + side.lever_bits[lane] + exponent - row_bits;
     side.arm_shift[lane] = std::clamp<std::int64_t>(shift, 1, 62);
     side.arm_half[lane] = std::int64_t{1} << (side.arm_shift[lane] - 1);
 }
 
-/// All that follows from e.
+/// Sets e and all data that depends on it.
 void set_exponent(JointPack& pack, std::uint32_t lane, int e, const Shares& shares,
                   const StepConstants& step) {
     pack.exponent[lane] = e;
@@ -83,7 +83,7 @@ static void invert_point(JointPack& pack, std::uint32_t lane) {
 
 namespace {
 
-/// Half of what limits leave to a twist, and its middle.
+/// Half the range of the limits of a twist.
 Real half_range(const JointAxisPart& part) { return half(part.upper_at - part.lower_at); }
 
 } // namespace
@@ -112,7 +112,8 @@ void plan_hinge(JointTick& tick, const JointWork& work) {
     turn.limit_rise[lane] = range > half_pi ? unit_one.raw : to<Unit>(sin(range)).raw;
 }
 
-/// The cosine of half the range less `least`, or a little more: cos(a - b) is below cos a + b sin a up to a right angle, and below cos a + b.
+/// An upper bound of the cosine of half the range minus `least`: cos(a - b) is at most cos a + b sin a up to a right
+/// angle, and at most cos a + b beyond.
 static std::int32_t reach_cosine(const TurnPack& turn, std::uint32_t lane, const JointAxisPart& part,
                                  Real least) {
     const Real range = half_range(part), reach = range - least;

@@ -1,7 +1,7 @@
-// The passes over packs of joints, written once over the lanes L. See solve/joints/joint.h for the symbols, joint_pack.h for the formats.
+// The passes over packs of joints, for all lane widths L. Symbols: solve/joints/joint.h; formats: joint_pack.h.
 //
-// Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
-// too, since the linker keeps one of their copies.
+// Only files that are compiled for one instruction set include this file. It must not use inline functions that other
+// files use too, since the linker keeps only one of their copies.
 #pragma once
 
 #include "solve/joints/pack/axis_kernel.h"
@@ -37,7 +37,7 @@ template <class L> class PackedJoints {
     static constexpr std::int32_t impulse_max = solve::joint_impulse_max;
     static constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
 
-    /// Velocities of the two bodies of each lane: v, u.
+    /// Velocities of the two bodies of each lane: v, u
     struct Motion {
         Velocity a[6], b[6];
     };
@@ -62,7 +62,7 @@ template <class L> class PackedJoints {
         L::gather6(body, raw);
         for (int i = 0; i < 6; ++i) out[i] = {raw[i]};
     }
-    /// Bodies that nothing moves are shared by packs; their share is zero, so they are written as they were.
+    /// Packs share bodies that impulses do not move: these are not written.
     [[gnu::always_inline]] static void scatter(const Side& side, unsigned lane, const Data& data,
                                                const Velocity (&x)[6]) {
         V raw[6];
@@ -84,34 +84,34 @@ template <class L> class PackedJoints {
         scatter(c.a, lane, data, m.a), scatter(c.b, lane, data, m.b);
     }
 
-    /// Clamps velocities to what rows can read, in the lanes of the mask.
+    /// Clamps velocities to the range that rows can read, in the lanes of the mask.
     static void clamp_motion(Velocity (&v)[6], V mask) {
         const V most = L::splat(solve::motion_max), least = L::splat(-solve::motion_max);
         const auto clamped = [&](Velocity& x) { x = {L::select(mask, between(x.raw, least, most), x.raw)}; };
-        // No loop: compilers do not unroll it where it is rarely run, and then keep all velocities in memory.
+        // Not a loop: compilers do not unroll it where it rarely runs, and then keep all velocities in memory.
         clamped(v[0]), clamped(v[1]), clamped(v[2]), clamped(v[3]), clamped(v[4]), clamped(v[5]);
     }
     static void clamp_motion(Motion& m, V mask) { clamp_motion(m.a, mask), clamp_motion(m.b, mask); }
     [[gnu::always_inline]] static void keep_readable(Velocity (&v)[6]) {
         const V most = L::splat(solve::motion_max);
-        V any = L::splat(0); // from -motion_max on no bit of the sum is above that of 2 motion_max
+        V any = L::splat(0); // the sum is in 0 .. 2 motion_max unless the velocity exceeds the bound
         for (int i = 0; i < 6; ++i) any = L::either(any, L::add(v[i].raw, most));
         const V beyond = L::greater64(L::template shift_right<solve::motion_bits + 1>(any), L::splat(0));
         if (L::lanes_of(beyond) != 0) clamp_motion(v, beyond);
     }
-    /// After changes of impulses of these sizes, or-ed.
+    /// Clamps velocities after a large change of impulse. `sizes`: the changes, combined by bitwise or.
     static void keep_small(Motion& m, Speed sizes) {
         const Mask large = sizes > Speed::splat(solve::small_impulse - 1);
         if (large.any()) clamp_motion(m, large.whole());
     }
-    /// The same of one side: each component is clamped by itself.
+    /// As above, for one side.
     static void keep_small(Velocity (&v)[6], Speed sizes) {
         const Mask large = sizes > Speed::splat(solve::small_impulse - 1);
         if (large.any()) clamp_motion(v, large.whole());
     }
     static Speed or_size(Speed sizes, Speed p) { return {L::either(sizes.raw, max(p, -p).raw)}; }
 
-    // ---- what parts have in common -------------------------------------------------------------------------------
+    // ---- common parts of the passes ------------------------------------------------------------------------------
 
     template <class X> static auto dot(const Lanes<std::int32_t> (&x)[3], unsigned lane, const X& y) {
         return Row::load(&x[0][lane]) * y[0] + Row::load(&x[1][lane]) * y[1] + Row::load(&x[2][lane]) * y[2];
@@ -123,7 +123,7 @@ template <class L> class PackedJoints {
         v = v + sum;
     }
 
-    /// x / 2^shift where the shift of an inverse is out of its usual range.
+    /// x / 2^shift if the shift of an inverse is outside its usual range.
     static V shift_oddly(V x, const solve::PackInverse& inverse, unsigned lane) {
         std::int64_t v[N];
         L::store64(v, x);
@@ -133,7 +133,7 @@ template <class L> class PackedJoints {
                 v[i] = 0;
             else if (shift > 0)
                 v[i] = (v[i] + (std::int64_t{1} << (shift - 1))) >> shift;
-            else // the result is clamped to less
+            else // the caller clamps the result to less
                 v[i] = (v[i] < -far  ? -far
                         : v[i] > far ? far
                                      : v[i]) *
@@ -142,7 +142,7 @@ template <class L> class PackedJoints {
         return L::from_lanes(v);
     }
 
-    /// From speeds and the impulses so far to new impulses, by the inverse of a part. Returns their changes.
+    /// Computes new impulses from speeds and old impulses with the inverse of a part. Returns the changes.
     struct Change {
         Speed p[3];
         Speed sizes;
@@ -184,7 +184,7 @@ template <class L> class PackedJoints {
         return change;
     }
 
-    // ---- rows that only turn -------------------------------------------------------------------------------------
+    // ---- rows without linear part --------------------------------------------------------------------------------
 
     template <int Rows>
     [[gnu::always_inline]] static void push_turn(const Lanes<std::int32_t> (*j)[3], const Side& side,
@@ -250,10 +250,10 @@ template <class L> class PackedJoints {
 
     // ---- rows of points ------------------------------------------------------------------------------------------
 
-    using Lever = LaneFixed<L, 0>; ///< as it is scaled by lane
+    using Lever = LaneFixed<L, 0>; ///< scaled differently in each lane
     static constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
-    /// A rotation matrix by rows, 30 fraction bits in the low halves.
+    /// A rotation matrix by rows, 30 fraction bits in the low halves of lanes.
     struct Turned {
         V m[3][3];
         void times(const V (&v)[3], V (&out)[3]) const {
@@ -265,11 +265,11 @@ template <class L> class PackedJoints {
             }
         }
     };
-    /// Of a body that has not turned.
+    /// The matrix of a body that has not turned.
     struct Unturned {
         void times(const V (&v)[3], V (&out)[3]) const { out[0] = v[0], out[1] = v[1], out[2] = v[2]; }
     };
-    /// Where the bodies of one side are.
+    /// Present placement of the bodies of one side.
     struct Placed {
         Turned turned;
         Speed spin[3];
@@ -294,7 +294,7 @@ template <class L> class PackedJoints {
                 {Speed::of(x[2][1]), Speed::of(x[2][2]), Speed::of(x[2][3])},
                 {Gap::of(x[3][0]), Gap::of(x[3][1]), Gap::of(x[3][2])}};
     }
-    /// A vector of the start of the tick, turned with the body to where it is now.
+    /// Turns a vector from the start of the tick to the present rotation of the body.
     static void turn(const auto& by, const Lanes<std::int32_t> (&from)[3], unsigned lane, V (&out)[3]) {
         const V v[3] = {L::load32(&from[0][lane]), L::load32(&from[1][lane]), L::load32(&from[2][lane])};
         by.times(v, out);
@@ -304,7 +304,7 @@ template <class L> class PackedJoints {
         turn(by, side.lever, lane, now);
         for (int i = 0; i < 3; ++i) r[i] = Lever::of(now[i]);
     }
-    /// w x (w x r), the inner product clamped to 2048 m/s: beyond that the arc says nothing useful. As Speed.
+    /// w x (w x r) as Speed. The inner product is clamped to 2048 m/s, beyond which the arc is of no use.
     [[gnu::always_inline]] static void curve(const Side& side, unsigned lane, const Speed (&w)[3],
                                              const Lever (&r)[3], V (&out)[3]) {
         const V most = L::splat(std::int64_t{1} << 30), least = L::splat(-(std::int64_t{1} << 30));
@@ -319,8 +319,8 @@ template <class L> class PackedJoints {
             out[i] = shift_arithmetic((w[j] * v[k] - w[k] * v[j]).raw, speed_bits);
         }
     }
-    /// K^-1 (r x e) for the three axes e of the world, as rows. Returns the entries, 2 added to each, or-ed: where one is out
-    /// of -2 .. 2, bits above those of 4 are set.
+    /// Writes K^-1 (r x e) for the three world axes e, as rows. Returns the entries plus 2, combined by bitwise or:
+    /// bits above those of 4 are set if an entry is outside -2 .. 2.
     [[gnu::always_inline]] static V write_arms(Side& side, unsigned lane, const Lever (&r)[3],
                                                bool negative) {
         V m[6], at[3];
@@ -340,7 +340,7 @@ template <class L> class PackedJoints {
         }
         return any;
     }
-    /// The speed that an error asks for: C rate, within push_max, and the part for the arc ahead.
+    /// Writes the bias: C rate, clamped to push_max, plus the look-ahead along the arc.
     [[gnu::always_inline]] static void set_bias(Pack& c, unsigned lane, const Data& data, int r, V error,
                                                 V arc) {
         constexpr int split = 20, shift = gap_bits - speed_bits + solve::joint_rate_bits;
@@ -365,7 +365,7 @@ template <class L> class PackedJoints {
         const Placed a = placed(c.a, lane, data), b = placed(c.b, lane, data);
         make_rows(data, c, lane, a, b, a.turned, b.turned);
     }
-    /// refresh_lanes() where no body has moved: a turn by nothing turns to the same bits.
+    /// refresh_lanes() before any body has moved. A turn by zero would give the same bits.
     [[gnu::always_inline]] static void begin_lanes(const Data& data, Pack& c, unsigned lane) {
         const auto spinning = [&](const Side& side) {
             V x[4][4];
@@ -388,7 +388,7 @@ template <class L> class PackedJoints {
         c.over = (lane == 0 ? 0 : c.over) | over << lane;
         V arc_a[3], arc_b[3];
         curve(c.a, lane, placed_a.spin, a, arc_a), curve(c.b, lane, placed_b.spin, b, arc_b);
-        // Lengths with 32 fraction bits: their sign up to where it belongs, and all down.
+        // Lengths get 32 fraction bits: shift the sign up to the top, then everything down.
         const V bits_a = L::load64(&c.a.lever_bits[lane]), bits_b = L::load64(&c.b.lever_bits[lane]);
         const auto wide = [](auto x) { return L::template shift_left<32>(x.lanes()); };
         for (int r = 0; r < 3; ++r) {
@@ -406,7 +406,7 @@ template <class L> class PackedJoints {
     static V dot30(const V (&a)[3], const V (&b)[3]) { // 60 fraction bits
         return L::add(L::add(L::mul(a[0], b[0]), L::mul(a[1], b[1])), L::mul(a[2], b[2]));
     }
-    /// a x b of unit vectors as an axis of rows.
+    /// a x b of unit vectors, as an axis of rows.
     static void cross(const V (&a)[3], const V (&b)[3], V (&out)[3]) {
         constexpr int shift = 2 * unit_bits - row_bits;
         for (int i = 0; i < 3; ++i) {
@@ -415,7 +415,7 @@ template <class L> class PackedJoints {
             out[i] = L::template shift_right<shift>(L::add(sum, L::splat(std::int64_t{1} << (shift - 1))));
         }
     }
-    /// Lanes whose rows are made elsewhere stay as they are.
+    /// Stores x, except in lanes whose rows are made elsewhere.
     static void keep(std::int32_t* to, V x, V kept) { L::store32(to, L::select(kept, L::load32(to), x)); }
 
     /// K^-1 axis as a row of one side.
@@ -472,7 +472,7 @@ template <class L> class PackedJoints {
     static void add_to_sums(Lanes<std::int64_t> (&sum)[3], unsigned lane, const Speed (&p)[3]) {
         for (int r = 0; r < Rows; ++r) add_to(&sum[r][lane], signed_lanes<L>(p[r].raw));
     }
-    /// The impulses of a pack, on one of its sides.
+    /// Applies the impulses of a pack to one of its sides.
     template <int Sign, int Rows>
     [[gnu::always_inline]] static void warm_side(const Data& data, const Pack& c,
                                                  const Lanes<std::int32_t> (*turns)[3], unsigned lane,
@@ -517,9 +517,10 @@ template <class L> class PackedJoints {
         solve_point(c, lane, data, bias, m, clamped);
         scatter(c, lane, data, m);
     }
-    /// Where the pieces of a pack end. One that is a whole pack is known to be one, so that no lane is computed.
+    /// End of the loop over the pieces of a pack: a constant if one piece is the whole pack, so that the loop
+    /// disappears.
     static unsigned end_of(const Pack& c) { return N == all_lanes ? 1u : c.count; }
-    /// visit(integral constant of rows that only turn, first, last) for packs that have as many.
+    /// Calls visit(turn_rows as an integral constant, first, last) for each run of packs with equal turn_rows.
     template <class Visit>
     static void by_rows(const Data& data, std::uint32_t first, std::uint32_t last, Visit&& visit) {
         for (std::uint32_t end; first < last; first = end) {

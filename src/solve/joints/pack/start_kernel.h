@@ -1,9 +1,9 @@
-// What the rows of points are made from when a tick begins, written once over the lanes L: levers, K^-1, the scale 2^-e of each joint and
-// what follows from that. See solve/joints/pack/joint_pack.h for the formats.
+// Start values of the rows of points when a tick begins, written once for all lane widths L: levers, K^-1, the scale
+// 2^-e of each joint and dependent data. See solve/joints/pack/joint_pack.h for the formats.
 //
 //   e: the least exponent, at least 0, with which the entries of K^-1 [r], times 1.25, stay below 2
 //
-// Included as kernel.h, by which this is used.
+// Only kernel.h includes this file.
 #pragma once
 
 #include "solve/joints/pack/joint_pack.h"
@@ -34,12 +34,12 @@ template <class L> class JointStarts {
         x = L::select(L::greater64(x, most), most, x);
         return L::select(L::greater64(least, x), least, x);
     }
-    /// x / 2^shift, rounded; a negative shift multiplies. Clamped to `most` of either sign.
+    /// x / 2^shift, rounded. A negative shift multiplies. Clamped to -most .. most.
     static std::int32_t shifted_within(std::int64_t x, int shift, std::int64_t most) {
         if (shift > 0) {
             x = shift > 62 ? 0 : (x >> shift) + ((x >> (shift - 1)) & 1);
         } else {
-            x = x < -most ? -most : x > most ? most : x; // what is shifted up is no smaller
+            x = x < -most ? -most : x > most ? most : x; // shifting up makes it no smaller
             x *= std::int64_t{1} << (shift < -31 ? 31 : -shift);
         }
         return static_cast<std::int32_t>(x < -most ? -most : x > most ? most : x);
@@ -52,14 +52,15 @@ template <class L> class JointStarts {
         for (unsigned i = 0; i < N; ++i)
             rotations[i] = reinterpret_cast<const std::int32_t*>(data.rotations + side.held[lane + i]);
         V q[4];
-        L::quads(rotations, q), rotation_of<L>(q, axes); // all are rotations
+        L::quads(rotations, q), rotation_of<L>(q, axes); // rotations are unit quaternions
     }
-    /// A sum of products with an entry of a vector in world axes: 30 bits times 32, three times.
+    /// Component i of a vector in world axes, with extra fraction bits: 30 bits times 32, three times.
     static V turned(const Axes& axes, const V (&local)[3], int i) {
         return L::add(L::add(L::mul(axes[0][i], local[0]), L::mul(axes[1][i], local[1])),
                       L::mul(axes[2][i], local[2]));
     }
-    /// A lever in world axes, within 2^28 where it is within 128 m; of length_bits in the body's.
+    /// A lever in world axes. Its components are within 2^28 if the lever is within 128 m. In body axes it has
+    /// length_bits.
     [[gnu::always_inline]] static void turn_lever(const Axes& axes, Side& side, unsigned lane,
                                                   V (&lever)[3]) {
         constexpr int extra = unit_bits + length_bits - real_bits, room = 28, least_bits = 22;
@@ -84,7 +85,7 @@ template <class L> class JointStarts {
             L::store32(&side.lever[i][lane], lever[i]);
         }
     }
-    /// Lever, K^-1 and their shifts; the exponents that one side asks for, or those that there are.
+    /// Computes lever, K^-1 and their shifts. Raises `exponent` where this side needs a larger one.
     [[gnu::always_inline]] static void start_side(const Data& data, Side& side, unsigned lane,
                                                   const Axes& axes, std::int64_t (&exponent)[N]) {
         V lever[3], k[8];
@@ -96,7 +97,7 @@ template <class L> class JointStarts {
         }
         L::quads(front, k), L::quads(back, k + 4);
         for (int i = 0; i < 6; ++i) L::store32(&side.inverse[i][lane], k[i]);
-        // A side that does not move has zeros only.
+        // A side that does not move contains only zeros.
         L::store64(&side.spin_shift[lane], extended<L>(k[6]));
         V most = L::splat(0);
         for (int row = 0; row < 3; ++row) {
@@ -114,7 +115,7 @@ template <class L> class JointStarts {
             if (sizes[i] != 0 && e > exponent[i]) exponent[i] = e;
         }
     }
-    /// The same of lanes.
+    /// As above, in lanes.
     static V shifted_within(V x, V shift, std::int64_t most) {
         const V one = L::splat(1),
                 beyond = L::either(L::greater64(one, shift), L::greater64(shift, L::splat(62)));
@@ -137,7 +138,7 @@ template <class L> class JointStarts {
         L::store64(&side.arm_shift[lane], shift);
         L::store64(&side.arm_half[lane], L::shift_left_by(one, L::sub(shift, one)));
     }
-    /// The impulses of the last tick, which are in the sums, Real.
+    /// Scales the impulses of the last tick, which are in the sums as Real, and clears the sums.
     static void scale_impulse(std::int32_t* impulse, std::int64_t* sum, V e) {
         const V shift = L::sub(L::splat(real_bits - speed_bits), e);
         L::store32(impulse, shifted_within(L::load64(sum), shift, solve::joint_impulse_max));
@@ -147,7 +148,7 @@ template <class L> class JointStarts {
         return shifted_within(L::splat(data.push_max), L::add(e, L::splat(real_bits - speed_bits)),
                               solve::joint_speed_max);
     }
-    /// All that follows from e, which is at least 0.
+    /// Writes e, which is at least 0, and all data that depends on it.
     [[gnu::always_inline]] static void set_exponents(const Data& data, Pack& c, unsigned lane, V e) {
         const V whole = L::shift_left_by(L::splat(1), L::sub(L::splat(row_bits), at_most(e, row_bits)));
         const V one = L::select(L::greater64(e, L::splat(row_bits)), L::splat(0), whole);
@@ -162,7 +163,8 @@ template <class L> class JointStarts {
         L::store64(&c.ahead_shift[lane], at_most(L::add(e, L::splat(unit_bits + 1)), 62));
         for (int r = 0; r < 3; ++r) scale_impulse(&c.impulse[r][lane], &c.sum[r][lane], e);
     }
-    /// Of the rows of hinges. No entry of K^-1 axis is above the largest inverse of a radius, wherever the body turns.
+    /// Scales the rows of hinges. No entry of K^-1 axis exceeds the largest inverse radius, however the body is
+    /// turned.
     static void scale_hinges(const Data& data, const Pack& c, solve::TurnPack& t, unsigned lane) {
         std::int64_t exponents[N];
         const auto bits = [&](const Side& side, unsigned at) {
@@ -183,7 +185,7 @@ template <class L> class JointStarts {
     }
 
     using Frame = std::int32_t[2][3][solve::pack_lanes];
-    /// Two axes of a frame in world axes.
+    /// Turns two axes of a frame to world axes.
     static void turn_frame(const Axes& axes, const Frame& local, const std::int32_t* world, unsigned lane,
                            Frame& frame, V (&out)[2][3]) {
         const V stands = L::load32(world), half = L::splat(std::int64_t{1} << (unit_bits - 1));
@@ -197,7 +199,8 @@ template <class L> class JointStarts {
             }
         }
     }
-    /// Frames, and whether the axes of a hinge are further apart than 41 degrees: rows are then others (joint_parts.h).
+    /// Turns the frames of a hinge. Sets TurnPack::apart if its axes are further apart than 41 degrees: other rows
+    /// are used then (joint_parts.h).
     static void start_hinges(solve::TurnPack& t, unsigned lane, const Axes& of_a, const Axes& of_b) {
         V a[2][3], b[2][3], along = L::splat(0);
         turn_frame(of_a, t.local_a, &t.world_a[lane], lane, t.frame_a, a);

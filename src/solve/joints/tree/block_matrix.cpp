@@ -5,9 +5,9 @@ namespace lockstone::solve {
 namespace {
 
 constexpr std::int64_t block_pivot_min = std::int64_t{1} << (block_bits - 24);
-constexpr int coupling_bits = 28; ///< of B
+constexpr int coupling_bits = 28; ///< fraction bits of B
 
-/// a / 2^drop, rounded.
+/// a / 2^drop, rounded
 std::int64_t dropped(std::int64_t a, int drop) {
     return drop == 0 ? a : drop > 62 ? 0 : shift_right_rounded(a, drop);
 }
@@ -18,7 +18,7 @@ int wide_bit_length(Wide w) {
     return high != 0 ? 64 + bit_length(high) : bit_length(w.low_bits());
 }
 
-/// 2^96 / d of d in [2^36, 2^60]: 1 / D with its bits.
+/// 2^96 / d for d in [2^36, 2^60]: 1 / D with block_inverse_bits
 std::int64_t block_pivot_inverse(std::int64_t d) {
     return std::min(divide_shifted(std::int64_t{1} << 48, d, 48), block_value_max);
 }
@@ -30,14 +30,14 @@ void lower_exponent(SymmetricBlock& a, int n, int exponent) {
     a.exponent = exponent;
 }
 
-/// Diagonal entries of a sum are up to 2^61.
+/// Raises the exponent if a diagonal entry has reached 2^60. Diagonal entries of a sum are up to 2^61.
 void normalise(SymmetricBlock& a, int n) {
     std::int64_t most = 0;
     for (int i = 0; i < n; ++i) most = std::max(most, a.m[block_index(i, i)]);
     if (most >= std::int64_t{1} << block_bits) lower_exponent(a, n, a.exponent + 1);
 }
 
-/// x - the sum of l y over what is known already: five products of values and one of 2^105.
+/// x minus a sum of products l y: five products of values and one of 2^105.
 struct Remainder {
     Wide sum;
     explicit Remainder(std::int64_t x) : sum(block_product(x, std::int64_t{1} << block_factor_bits)) {}
@@ -50,7 +50,7 @@ template <int Shift> std::int64_t product(std::int64_t a, std::int64_t b) {
     return block_narrow<Shift>(block_product(a, b));
 }
 
-/// c = L D by columns; true when every pivot is large enough or may be raised.
+/// Computes c = L D by columns. Returns true if every pivot is large enough, or if Raise is set.
 template <int N, bool Raise> bool factorise_rows(const SymmetricBlock& a, BlockFactor& out) {
     std::int64_t c[6][6];
     bool good = true;
@@ -93,7 +93,7 @@ template <bool Raise> bool factorise_any(const SymmetricBlock& a, int n, BlockFa
     }
 }
 
-/// B^T A^-1 B of A with N rows, B with M columns. B is J with N rows of six entries, or its transpose.
+/// B^T A^-1 B for A with N rows and B with M columns. B is J with N rows of six entries, or its transpose.
 template <int N, int M, bool Transposed>
 void condense(const BlockFactor& a, int exponent, const std::int32_t (*j)[6], std::int64_t (*z)[6],
               SymmetricBlock& out) {

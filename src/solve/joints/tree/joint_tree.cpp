@@ -1,4 +1,4 @@
-// Finding the trees of a tick's joints.
+// Finds the trees among the joints of a tick.
 #include "solve/joints/tree/joint_tree.h"
 
 #include "solve/joints/joint_work.h"
@@ -9,7 +9,7 @@ namespace lockstone::solve {
 
 namespace {
 
-/// Union-find over the bodies; the representative is the body that a joint names first.
+/// Union-find over the bodies. The representative is the body that comes first in JointTick::bodies.
 std::uint32_t component_of(JointForest& f, std::uint32_t body) {
     while (f.component[body] != body) {
         f.component[body] = f.component[f.component[body]];
@@ -22,7 +22,7 @@ std::uint32_t node_side(const JointWorkSide& side, const SolverBodies& bodies) {
     return !side.world && bodies.step[side.body].movable ? side.cache : no_tree;
 }
 
-/// Spanning forest in solving order: a joint between bodies that joints before it connect closes a loop.
+/// Builds a spanning forest in solving order: a joint between two bodies that earlier joints connect closes a loop.
 void find_links(JointTick& tick, const SolverBodies& bodies) {
     JointForest& f = tick.forest;
     const auto count = static_cast<std::uint32_t>(tick.bodies.size());
@@ -53,7 +53,7 @@ void find_links(JointTick& tick, const SolverBodies& bodies) {
     }
 }
 
-/// The links of each body, in solving order: those of body i from first_of[i] to first_of[i + 1].
+/// Lists the links of each body in solving order: those of body i are hung[first_of[i]] to hung[first_of[i + 1] - 1].
 void hang_links(JointForest& f) {
     std::uint32_t sum = 0;
     for (std::uint32_t& first : f.first_of) {
@@ -104,7 +104,7 @@ std::span<const std::uint32_t> links_of(const JointForest& f, std::uint32_t body
 }
 std::uint32_t other_end(const TreeLink& link, std::uint32_t body) { return link.a == body ? link.b : link.a; }
 
-/// The bodies of a tree from the root outwards, and the link above each.
+/// Lists the bodies of a tree from the root outwards, and the link to the parent of each.
 void walk_tree(JointForest& f, std::uint32_t root) {
     f.queue.assign(1, root);
     f.above[root] = f.anchor_of[component_of(f, root)];
@@ -124,15 +124,15 @@ bool has_limits(const JointTick& tick, const JointWork& w) {
         if ((tick.axes[w.first_axis + i].features & (has_lower | has_upper)) != 0) return true;
     return false;
 }
-/// True if it has a spring, a motor or friction.
+/// True if the joint has a spring, a motor or friction.
 bool is_braked(const JointTick& tick, const JointWork& w) {
     for (std::uint32_t i = 0; i < w.axis_count; ++i)
         if ((tick.axes[w.first_axis + i].features & (has_spring | has_motor)) != 0) return true;
     return false;
 }
 
-/// Whether some body of the tree carries many times its own mass: then a pass joint after joint is far from the solution.
-/// `carried` has the masses before the call, and sums of them after it.
+/// True if some body of the tree carries many times its own mass: one pass joint after joint is then far from the
+/// solution. `carried` must contain masses before the call, and contains sums of them after it.
 template <class Mass> bool is_heavy(JointForest& f, Real load, Mass&& mass) {
     for (std::size_t i = f.queue.size(); i-- > 0;) {
         const std::uint32_t body = f.queue[i], above = f.above[body];
@@ -144,14 +144,14 @@ template <class Mass> bool is_heavy(JointForest& f, Real load, Mass&& mass) {
     return false;
 }
 
-/// How many times its mass a body carries in a tree that is solved at once.
+/// How many times its own mass a body must carry for a direct solution of the tree.
 Real load_of(const JointForest& f, std::uint32_t c, const StepConstants& step) {
     if (step.substeps_per_second < light_tree_rate) return step.tree_load;
     if (f.loose[c] == 0) return step.tree_load * braked_tree_loads;
     return f.anchors[c] == 0 ? step.tree_load * free_tree_loads : step.tree_load;
 }
 
-/// Nodes from the root outwards, then joints from the leaves inwards.
+/// Adds nodes from the root outwards, then joints from the leaves inwards.
 void add_tree(JointTick& tick, const BodyColumns& columns) {
     JointForest& f = tick.forest;
     JointTree tree{};

@@ -1,4 +1,4 @@
-// Factors of trees of joints, and their solution. See joint_tree.h for the symbols.
+// Factorisation of trees of joints, and their solution. See joint_tree.h for the symbols.
 #include "solve/joints/joint_motion.h"
 #include "solve/joints/joint_work.h"
 
@@ -33,15 +33,15 @@ void take_rows(const JointTick& tick, TreeJoint& t, const SolverBodies& bodies) 
     }
 }
 
-/// a b
+/// a b, with mantissas of 30 bits
 Scaled product(Scaled a, Scaled b) {
     Scaled p = scaled((a.m >> 30) * (b.m >> 30), block_bits);
     p.exponent += a.exponent + b.exponent;
     return p;
 }
 
-/// G by rows: epsilon of D, and a little of what the pair alone would yield. Where the child cannot yield, or is the
-/// world, epsilon of the pair.
+/// Adds G to D by rows: epsilon of D, but at least a small part of the pair's own value. If the child cannot yield,
+/// or is the world, G is epsilon of the pair's value.
 void soften(TreeJoint& t, SymmetricBlock& d) {
     Scaled g[6];
     const auto shifted = [](Scaled s, int by) { return Scaled{s.m, s.exponent - by}; };
@@ -53,16 +53,16 @@ void soften(TreeJoint& t, SymmetricBlock& d) {
         const bool yields = !d.zero && size(own) > size(pair) - tree_floor_bits;
         g[r] = shifted(yields ? own : pair, tree_softness_bits);
         if (yields && size(pair) - tree_floor_bits > size(g[r])) g[r] = shifted(pair, tree_floor_bits);
-        const Scaled soft = product(g[r], t.mass); // of p'
+        const Scaled soft = product(g[r], t.mass); // softness for p' instead of lambda
         t.softness[r] = block_shift(Wide::from(soft.m), block_bits - soft.exponent - tree_soft_bits);
     }
     add_diagonal(d, g, t.rows);
 }
 
-/// H of a node that carries nothing is a multiple of the unit matrix.
+/// If a node carries nothing, its H is a multiple of the unit matrix.
 BlockFactor plain_factor(Scaled mass) {
     BlockFactor f{};
-    for (std::int64_t& inverse : f.inverse) // of m in [1/2, 1)
+    for (std::int64_t& inverse : f.inverse) // m in [1/2, 1)
         inverse = (std::int64_t{1} << 62) / (mass.m >> 30) << (block_bits + block_inverse_bits - 92);
     return f;
 }
@@ -105,7 +105,7 @@ bool factorise_tree(JointTick& tick, const JointTree& tree, const SolverBodies& 
 
 constexpr int speed_up = block_speed_bits - Speed::fraction_bits;
 
-/// - speed - bias - epsilon k p'
+/// Writes - speed - bias - epsilon k p' to `solution`.
 void take_residual(const JointTick& tick, TreeJoint& t, const SolverBodies& bodies, bool bias) {
     const JointWork& w = tick.joints[t.joint];
     Motion m = read(bodies.body[w.a.body], bodies.body[w.b.body]);
@@ -124,7 +124,7 @@ void take_residual(const JointTick& tick, TreeJoint& t, const SolverBodies& bodi
     }
 }
 
-/// sum over the rows of their six entries times x, and what becomes of it
+/// Calls take(i, sum) with the sum over all rows of entry i times x, for each i.
 template <class T, class F> void combine(const T (*rows)[6], const std::int64_t* x, int count, F&& take) {
     Wide sum[6] = {Wide::from(0), Wide::from(0), Wide::from(0), Wide::from(0), Wide::from(0), Wide::from(0)};
     for (int r = 0; r < count; ++r)
@@ -134,7 +134,7 @@ template <class T, class F> void combine(const T (*rows)[6], const std::int64_t*
 
 std::int64_t bounded(std::int64_t v) { return std::clamp(v, -block_value_max, block_value_max); }
 
-/// From the leaves inwards: finds D^-1 g of a joint, and adds its push to the parent.
+/// One step from the leaves inwards: computes D^-1 g of a joint, and adds its impulse to f of the parent.
 void eliminate(JointForest& f, TreeJoint& t) {
     if (t.child != no_tree && f.nodes[t.child].passes) {
         TreeNode& child = f.nodes[t.child];
@@ -151,7 +151,7 @@ void eliminate(JointForest& f, TreeJoint& t) {
             [&](int i, Wide sum) { parent.f[i] = bounded(parent.f[i] + block_shift(sum, shift)); });
 }
 
-/// dv of a body from L^-1 f and from the impulses of the joint above it.
+/// Computes dv of a body from L^-1 f and from the impulses of the joint above it.
 void move_node(TreeNode& node, const TreeJoint* above) {
     for (int i = 0; i < 6; ++i)
         node.speed[i] = block_narrow<block_inverse_bits>(block_product(node.f[i], node.factor.inverse[i]));
@@ -163,7 +163,7 @@ void move_node(TreeNode& node, const TreeJoint* above) {
     solve_upper(node.factor, node.speed);
 }
 
-/// From the root outwards: lambda, and the speed it gives the child.
+/// One step from the root outwards: computes lambda, and the dv of the child.
 void substitute(JointForest& f, TreeJoint& t) {
     if (t.parent != no_tree) {
         const TreeNode& parent = f.nodes[t.parent];
@@ -175,7 +175,7 @@ void substitute(JointForest& f, TreeJoint& t) {
     if (t.child != no_tree && f.nodes[t.child].passes) move_node(f.nodes[t.child], &t);
 }
 
-/// Changes of p', and the largest p' that they lead to.
+/// Computes the changes of p'. Returns the largest |p'| that results.
 std::int64_t take_changes(const JointTick& tick, TreeJoint& t) {
     const JointWork& w = tick.joints[t.joint];
     const int shift =
@@ -192,8 +192,8 @@ std::int64_t take_changes(const JointTick& tick, TreeJoint& t) {
     return most;
 }
 
-/// Scales p' + change down, for all joints of the tree alike, so that the largest is joint_impulse_max: the bodies then move as if held
-/// only in part.
+/// Scales p' + change of all joints of a tree by the same factor, so that the largest becomes joint_impulse_max. The
+/// bodies then move as if the joints held them only in part.
 void scale_changes(const JointTick& tick, TreeJoint& t, std::int64_t most) {
     const JointWork& w = tick.joints[t.joint];
     int r = 0;
@@ -208,7 +208,7 @@ void scale_changes(const JointTick& tick, TreeJoint& t, std::int64_t most) {
     }
 }
 
-/// A part of three rows adds 29 bits times 31, three times, to motion_between_max: below 2^63.
+/// Applies the changes. A part of three rows adds 29 bits times 31, three times, to motion_between_max: below 2^63.
 void give_changes(JointTick& tick, const TreeJoint& t, SolverBodies& bodies) {
     const JointWork& w = tick.joints[t.joint];
     SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
@@ -224,7 +224,7 @@ void give_changes(JointTick& tick, const TreeJoint& t, SolverBodies& bodies) {
         push(block.row, change, block.count, m);
         clamp_motion(m, motion_between_max);
     }
-    // Bodies that trees do not move may be in several trees: no tree writes them.
+    // Several trees may share bodies that impulses do not move: no tree writes these.
     const bool child_moves = t.child != no_tree, parent_moves = t.parent != no_tree;
     if (t.child_is_b ? parent_moves : child_moves) write(m.a, a);
     if (t.child_is_b ? child_moves : parent_moves) write(m.b, b);
