@@ -1,5 +1,5 @@
-// Prints what a tick, a save, a restore with the tick after it, and a hash cost in a world of 200 awake bodies alone, and with
-// 10,000 sleepers around them. No assertions on timings: they depend on the machine. Run it on an idle core.
+// Prints the time of a tick, a save, a restore with the tick after it, and a hash in a world of 200 awake bodies alone,
+// and with 10,000 sleepers around them. It checks no times, because they depend on the machine. Run it on an idle core.
 #include "support/sim_scenes.h"
 
 #include <algorithm>
@@ -13,14 +13,14 @@ namespace {
 
 constexpr int awake_bodies = 200, rounds = 80, turns = 12;
 
-/// A ball that has come to rest stays awake.
+/// Keeps balls that come to rest awake.
 void keep_awake(World& w) {
     for (std::uint32_t row = 0; row < w.awake_count(); ++row)
         if (const BodyId b = w.body_at(row); w.shape(w.shapes(b)[0]).geometry.kind == ShapeKind::sphere)
             done(w.wake_body(b));
 }
 
-/// Spheres that bounce in a bowl of walls, and pairs of crates, joined, that fall asleep at once.
+/// Spheres that bounce in a bowl of walls, and jointed pairs of crates that fall asleep at once.
 World make_world(int sleepers) {
     WorldDef def;
     def.bodies_max = def.shapes_max = static_cast<std::uint32_t>(awake_bodies + sleepers + 8);
@@ -61,7 +61,7 @@ template <class Work> double microseconds(Work&& work) {
 
 struct Samples {
     std::vector<double> tick, save, restore, resumed, hash;
-    bool as_said = true; ///< 200 were awake in every tick
+    bool as_said = true; ///< true if 200 were awake in every tick
 };
 void measure(World& w, std::vector<Image>& ring, Samples& out) {
     std::uint64_t sum = 0;
@@ -86,7 +86,7 @@ int main() {
     for (Image& image : ring) alone.save(image);
     for (Image& image : other_ring) among.save(image);
     Samples a, b;
-    for (int turn = 0; turn < turns; ++turn) { // by turns, so that whatever else the machine does meets both
+    for (int turn = 0; turn < turns; ++turn) { // alternates, so that other load affects both
         measure(alone, ring, a);
         measure(among, other_ring, b);
     }

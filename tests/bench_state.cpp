@@ -1,6 +1,6 @@
-// Prints what saving, restoring and hashing cost: of all rows, against one memcpy of the same bytes; and of a part that
-// was written while the rest slept, against a state that has only that part. No assertions: timings depend on the
-// machine. Run it on an idle core.
+// Prints the time of saving, restoring and hashing: of all rows, against one memcpy of as many bytes; and of a part
+// that was written while the rest did not change, against a state that has only that part. It checks no times, because
+// they depend on the machine. Run it on an idle core.
 #include "support/state_sample.h"
 
 #include <algorithm>
@@ -61,7 +61,7 @@ void touch(State& state, std::uint32_t rows) {
 struct Costs {
     double touch, save, restore, hash; ///< [ns], marking the rows included in all four
 };
-/// Of a world whose first rows are written before each call.
+/// The costs for a world whose first rows are written before each call.
 Costs costs_of(World& world, std::uint32_t written) {
     const std::size_t bytes = world.state.image_bytes();
     Image image, before;

@@ -89,9 +89,9 @@ std::string Figures::text() const {
 
 namespace {
 
-/// What parent and child both see.
+/// Memory that parent and child share.
 struct Shared {
-    std::uint64_t next; ///< the try that the child is at
+    std::uint64_t next; ///< the child's current try
     std::uint64_t findings;
     Figures figures;
 };
@@ -115,7 +115,7 @@ struct Shared {
 std::string end_of(int status) {
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM) return "takes too long";
     if (WIFSIGNALED(status)) return std::string("ended by ") + strsignal(WTERMSIG(status));
-    return "ended with status " + std::to_string(WEXITSTATUS(status)); // a sanitizer
+    return "ended with status " + std::to_string(WEXITSTATUS(status)); // the exit of a sanitizer
 }
 
 } // namespace

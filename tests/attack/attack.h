@@ -1,9 +1,9 @@
-// What every attack shares: tries that are counted, each in a child that may crash, hang or take too much memory.
+// Shared parts of all attacks: counted tries, each in a child process that may crash, hang or use too much memory.
 //
 //   int main(int argc, char** argv) {
 //       const attack::Options options = attack::read_options("files", argc, argv);
 //       return attack::run(options, [&](std::uint64_t number, attack::Figures& figures) -> std::string {
-//           ...                                        // what was wrong, or nothing
+//           ...                                        // an error sentence, or an empty string
 //       });
 //   }
 #pragma once
@@ -20,12 +20,12 @@ struct Options {
     std::string kind;
     std::uint64_t tries = 0, seed = 1;
     std::string planted;                    ///< empty: none
-    std::uint64_t only = ~std::uint64_t{0}; ///< one try alone, in this process: for a debugger
+    std::uint64_t only = ~std::uint64_t{0}; ///< runs one try in this process: for a debugger
 };
-/// Ends the program with a sentence on bad usage.
+/// Ends the program with a sentence if the usage is wrong.
 Options read_options(const std::string& kind, int argc, char** argv);
 
-/// Sums over all tries, by a name of a few letters that the program chooses; memory that children share.
+/// Sums over all tries, by short names that the program chooses, in memory that children share.
 class Figures {
   public:
     std::uint64_t& operator[](std::string_view name); ///< at most 16 names of at most 23 letters
@@ -39,16 +39,16 @@ class Figures {
     std::array<Sum, 16> sums;
 };
 
-inline constexpr unsigned seconds_max = 20; ///< that one try may take
+inline constexpr unsigned seconds_max = 20; ///< limit of one try
 
-/// What one try found wrong, or nothing.
+/// Returns an error sentence about one try, or an empty string.
 using Try = std::function<std::string(std::uint64_t number, Figures& figures)>;
-/// The exit status of the program. With a planted hang a try has 2 seconds.
+/// Returns the exit status of the program. With a planted hang the limit of a try is 2 seconds.
 int run(const Options& options, const Try& one_try);
 
 // ---- memory: attack.cpp replaces operator new ----
-std::uint64_t memory_now(); ///< bytes allocated and not given back, of all threads
+std::uint64_t memory_now(); ///< bytes allocated and not freed, by all threads
 void forget_peak();
-std::uint64_t memory_peak(); ///< most at any time since forget_peak
+std::uint64_t memory_peak(); ///< greatest value of memory_now() since forget_peak
 
 } // namespace attack

@@ -32,7 +32,7 @@ struct Ball {
     bool has_passed = false;
 };
 
-/// True if the way from one point to another leads through a triangle, from its front or from either side.
+/// Returns whether the way between two points passes through a triangle, from its front or from either side.
 bool leads_through(const std::array<Point, 3>& corners, Point from, Point to, bool two_sided) {
     const auto& [a, b, c] = corners;
     const Point normal = cross(b - a, c - a), way = to - from;
@@ -124,7 +124,8 @@ class Heap {
             balls.push_back({scene::add(*world, def, shape), at});
         }
     }
-    /// The energy of all balls, each of 1 kg [J]. Steps of a length h keep v^2 / 2 + g y - g h v_y / 2 while a body falls (semi-implicit Euler).
+    /// The energy of all balls, each of 1 kg [J]. Semi-implicit Euler with steps of a length h conserves v^2 / 2 + g y
+    /// - g h v_y / 2 while a body falls.
     double energy() const {
         const double step = 1.0 / (world->def().tick_rate * world->def().substeps);
         double sum = 0;

@@ -1,4 +1,5 @@
-// corpus [--planted FAULT] MODEL...: one line of the table for each model, then its findings. Status 1 when there is one.
+// corpus [--planted FAULT] MODEL...: prints one line of the table for each model, then its findings. Exit status 1 if
+// there is a finding.
 #include "corpus/corpus.h"
 
 #include <cstdio>
@@ -25,7 +26,8 @@ int main(int argc, char** argv) {
             std::string text = "ROW\t" + row.text() + "\n";
             for (const std::string& finding : row.findings)
                 text += "FINDING\t" + row.model + "\t" + finding + "\n";
-            std::fwrite(text.data(), 1, text.size(), stdout); // at once: several run side by side
+            // one write, because several processes run in parallel
+            std::fwrite(text.data(), 1, text.size(), stdout);
             std::fflush(stdout);
             findings += row.findings.size();
         } catch (const std::exception& error) {

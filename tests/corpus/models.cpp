@@ -13,7 +13,7 @@ using cook::CookOptions;
 using cook::Soup;
 using cook::Wanted;
 
-constexpr double seconds_max = 10; ///< of a processor, for parts
+constexpr double seconds_max = 10; ///< processor time, for parts
 constexpr std::size_t parts_max = 32;
 
 std::string in_text(const char* format, double a, double b = 0) {
@@ -28,14 +28,14 @@ const char* name_of(Wanted as) {
 
 bool holds(const std::string& text, const char* words) { return text.find(words) != std::string::npos; }
 
-/// Words of libraries about themselves.
+/// Returns false for messages of libraries about their own state.
 bool is_helpful(const std::string& sentence) {
     for (const char* words : {"qhull gave up", "No meshes remaining", "bad_alloc", "disagrees with itself"})
         if (holds(sentence, words)) return false;
     return true;
 }
 
-/// The file's own unit where objects of that size are usual; else 2 m.
+/// The file's own unit if its size in that unit is usual; else a scale to 2 m.
 double scale_of(const Soup& model) {
     const cook::Box box = cook::bounds_of(model.vertices);
     double reach = 0;
@@ -65,7 +65,7 @@ Result<Cooked> cook_one(const Cooking& in, Wanted as, Tried& tried) {
     return made;
 }
 
-/// The bytes of a file have to load, whole, as what was made.
+/// Checks that the assets' bytes load and give the cooked assets.
 std::string load_fault(const Cooked& made) {
     AssetLibrary library;
     const Result<AssetId> id = library.add(encode_assets(made.assets));
@@ -73,7 +73,7 @@ std::string load_fault(const Cooked& made) {
     return *id == made.id ? "" : "the file loads as another asset";
 }
 
-/// Cooks as one kind and compares what comes out with what everything sound must give.
+/// Cooks the model as one kind and checks the rules for results of sound models.
 Result<Cooked> try_kind(const Cooking& in, Wanted as, Tried& tried) {
     const auto add = [&](const std::string& what) {
         in.row.findings.push_back(std::string(name_of(as)) + ": " + what);
@@ -84,7 +84,7 @@ Result<Cooked> try_kind(const Cooking& in, Wanted as, Tried& tried) {
         tried.sentence = made.error().message;
         const bool is_thin = holds(tried.sentence, "um thick") && holds(tried.sentence, "--scale");
         if (in.is_sound && !is_thin) add("a sound model is refused: " + tried.sentence);
-        const bool is_of_file = holds(tried.sentence, "it has no triangle with an area"); // no flag makes one
+        const bool is_of_file = holds(tried.sentence, "it has no triangle with an area"); // no flag adds one
         if (!is_helpful(tried.sentence) || (!holds(tried.sentence, "--") && !is_of_file))
             add("the refusal names no flag: " + tried.sentence);
         return made;
@@ -101,21 +101,21 @@ Result<Cooked> try_kind(const Cooking& in, Wanted as, Tried& tried) {
     return made;
 }
 
-/// A model that is too large or too small in its own unit is made or refused with the flag that helps.
+/// A model that is too large or too small in its own unit must be made, or refused with the flag that helps.
 void try_own_unit(Row& row, const Soup& model) {
     const Result<Cooked> made = cook::cook(model, {});
     if (!made && !holds(made.error().message, "--scale") && !holds(made.error().message, "--as mesh"))
         row.findings.push_back("in its own unit: the refusal does not name --scale: " + made.error().message);
 }
 
-/// The flags that the notes on a mesh name.
+/// The flags that a mesh's notes name.
 CookOptions with_noted_flags(const Cooking& in, const Cooked& mesh, const cook::Soundness& soundness) {
     CookOptions options = in.options;
     std::string notes;
     if (in.planted != Planted::silent)
         for (const std::string& note : mesh.notes) notes += note;
     options.flip = holds(notes, "--flip");
-    // Balls that fall on an open surface from above and from below need walls to both sides.
+    // An open surface, on which balls fall from above and from below, needs both sides.
     options.two_sided = holds(notes, "--two-sided") || !soundness.closed();
     if (soundness.closed() && soundness.oriented() && soundness.volume < 0 && !options.flip)
         in.row.findings.push_back("mesh: the surface is inside out, and no note says so");

@@ -1,5 +1,5 @@
-// Extreme values in every field of every definition and command: each is refused with a sentence and changes nothing,
-// or leaves a world that ticks and whose state the engine itself accepts.
+// Extreme values in every field of every definition and command. The world refuses each with an error sentence and does
+// not change, or it continues to tick and the engine accepts its state.
 #include "support/sim_scenes.h"
 
 #include "lockstone/math/random.h"
@@ -18,7 +18,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// Raw values of a leaf: the ends of its type, the steps next to them and to zero, and what documented limits are made of.
+/// Raw values of a leaf: the ends of its type, the steps next to them and to zero, and values at the documented limits.
 template <class L> std::vector<std::int64_t> extremes() {
     std::vector<std::int64_t> raws{0, 1, 2, 3, 7, 64};
     const int bits = static_cast<int>(8 * sizeof(L));
@@ -42,7 +42,7 @@ template <class L> void put(L& leaf, std::int64_t raw) {
         leaf = static_cast<L>(raw);
 }
 
-/// A world with one of everything, and a command of every kind that is good for it.
+/// A world with one object of every kind, and a valid command of every kind for it.
 struct Stage {
     World world;
     std::vector<Command> commands;
@@ -118,7 +118,7 @@ struct Tally {
 
 using Apply = std::function<Result<World::Applied>(World&, const Command&)>;
 
-/// Empty, or what is wrong with how the world takes the command.
+/// Returns an error sentence about the world's reaction to the command, or an empty string.
 std::string fault_of(World& world, World& reader, const Command& command, Tally& tally, const Apply& apply) {
     const std::uint64_t before = world.hash();
     const Result<World::Applied> result = apply(world, command);
@@ -135,7 +135,7 @@ std::string fault_of(World& world, World& reader, const Command& command, Tally&
     return reader.hash() == world.hash() ? "" : "leaves a state that reads back as another";
 }
 
-/// Every leaf of the command takes each of its extremes, alone; in a long run pairs of leaves too, at random.
+/// Sets every leaf of the command to each of its extremes, one at a time; in a long run also random pairs of leaves.
 void try_command(const Command& good, World& world, const Image& image, World& reader, Tally& tally,
                  const Apply& apply) {
     std::visit(
@@ -176,7 +176,7 @@ void try_command(const Command& good, World& world, const Image& image, World& r
         good);
 }
 
-/// Commands of every kind, or of the one that is named.
+/// Tries commands of every kind, or of the named one.
 Tally try_all(const Apply& apply, std::string_view only = {}) {
     Stage stage = make_stage();
     World reader = made(World::create(stage.world.def()));
@@ -215,7 +215,7 @@ TEST_CASE("planted: commands that are taken without a check, or refused without 
             Result<World::Applied> result = world.apply(command);
             if (const auto* gravity = std::get_if<SetGravity>(&command); gravity != nullptr && !result) {
                 static_cast<void>(
-                    world.apply(SetGravity{Vec3{1_r, 0_r, 0_r}})); // refused, and changed all the same
+                    world.apply(SetGravity{Vec3{1_r, 0_r, 0_r}})); // refused, but the world changes
             }
             return result;
         },
@@ -232,7 +232,7 @@ TEST_CASE("planted: commands that are taken without a check, or refused without 
 }
 
 TEST_CASE("an extreme value in any field of a world's definition is refused or gives a world that ticks") {
-    // How many there are of something stays small: the most that is allowed takes gigabytes.
+    // Capacities stay small: the greatest valid ones take gigabytes.
     const auto is_count = [](std::string_view name) {
         return name.ends_with("_max") && name != "push_speed_max";
     };
@@ -335,7 +335,7 @@ TEST_CASE("extreme ragdolls, hulls, meshes and height fields are refused with a 
             if (!*baked)
                 CHECK(!baked->error().message.empty());
             else
-                CHECK(library.add(**baked).ok()); // what is baked is accepted
+                CHECK(library.add(**baked).ok()); // a baked asset is accepted
         }
     }
     CHECK(refused > 20);

@@ -1,5 +1,5 @@
-// Every range that a definition describes is enforced: a value beyond it is refused by a sentence that begins with the field, a
-// value at its end is not.
+// Every range that a definition describes is enforced: a value beyond it is refused with a sentence that begins with
+// the field, and a value at its end is accepted.
 #include "support/sim_scenes.h"
 
 #include "lockstone/play/character.h"
@@ -15,13 +15,13 @@ namespace {
 
 enum class Spot { below, lowest, highest, above };
 
-/// Puts the field of that number, of those that have a range, to a spot of its range. `path` is then what it is called.
+/// Sets field `number`, counted among those with a range, to a spot of its range. Stores the field's name in `path`.
 class Place {
   public:
     Place(std::size_t number, Spot where) : left(number), spot(where) {}
 
-    std::string path;    ///< empty: there is no such field
-    bool placed = false; ///< whether its type has that value
+    std::string path;    ///< empty: no such field
+    bool placed = false; ///< false if the type cannot hold that value
 
     template <class F> void operator()(const char* name, F& value, OwnRanges = {}) {
         if constexpr (!Leaf<F>) {
@@ -103,7 +103,8 @@ struct Tally {
     std::vector<std::string> faults;
 };
 
-/// Whether another field leaves less than the range: about y and z an axis swings within pi, and a body has a place near it.
+/// Returns whether another field limits this one further: about y and z an axis turns within pi, and a body needs a
+/// frame near it.
 bool depends(const std::string& path) {
     if (path == "frame_a") return true;
     const bool swings = path.starts_with("axis[4].") || path.starts_with("axis[5].");
@@ -116,8 +117,8 @@ struct CreateWorld {
     friend const char* name_of(const CreateWorld&) { return "world"; }
 };
 
-/// A copy of the good definition for each field with a range and each spot of it. `sentence`: that a command is refused with, or
-/// empty.
+/// Tries a copy of the valid definition for each field with a range and each spot of it. `sentence` returns the error
+/// sentence for a command, or an empty string.
 template <class Def, class Sentence, class Make>
 void try_ranges(const Def& good, const Sentence& sentence, Make&& command_of, Tally& tally) {
     if (const std::string all = sentence(command_of(good)); !all.empty())

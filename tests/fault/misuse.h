@@ -1,4 +1,5 @@
-// What wrong arguments have to meet with: an error that names them, or the end of the program with a sentence.
+// The expected reactions to wrong arguments: an error that names the argument, or the end of the program with a
+// sentence.
 #pragma once
 
 #include "lockstone/result.h"

@@ -1,5 +1,5 @@
-// Wrong arguments to what misuse_world.cpp and misuse_play.cpp leave over: questions, shapes and their masses, ragdolls, pools,
-// networks, proofs, verifying and branching. tests/tidy/misuse.py knows which functions there are.
+// Wrong arguments to the functions that misuse_world.cpp and misuse_play.cpp leave out: queries, shapes and their
+// masses, ragdolls, pools, networks, proofs, verifying and branching. tests/tidy/misuse.py lists the functions.
 #include "fault/misuse.h"
 #include "support/sim_scenes.h"
 #include "support/small_recording.h"
@@ -28,7 +28,7 @@ namespace {
 
 template <class Enum> constexpr Enum none_of = static_cast<Enum>(99);
 
-/// A world with a body that lives and one that has died.
+/// A world with a live body and the id of a destroyed one.
 struct Given {
     World w = World::create({}).value();
     BodyId body = w.create_body({}).value();
@@ -49,7 +49,7 @@ constexpr std::int32_t edges[] = {std::numeric_limits<std::int32_t>::min(),
                                   (100 << 24) + 1,
                                   std::numeric_limits<std::int32_t>::max()};
 
-/// Geometries of every kind and of none, of any sizes at all.
+/// Geometries of every kind and of invalid kinds, of any size.
 Geometry any_geometry(lockstone::Random& random) {
     const auto any = [&] {
         return Length::from_raw(random.below(2) == 0 ? edges[random.below(std::size(edges))]
@@ -125,7 +125,7 @@ TEST_CASE("misuse: questions that make no sense are answered with nothing, and c
         CHECK_FALSE(w.nearest(odd, here, 10_r).has_value());
     }
     CHECK_FALSE(w.nearest(whole, {{9_r, 0_r, 0_r}, Quat::identity()}, Real(-1)).has_value());
-    CHECK(w.cast_ray({{}, way}, {.ignore = g.dead}).has_value()); // a dead body has no shapes to leave out
+    CHECK(w.cast_ray({{}, way}, {.ignore = g.dead}).has_value()); // a destroyed body has no shapes to ignore
     CHECK_FALSE(w.cast_ray({{Real::max(), Real::min(), Real::max()}, way}).has_value());
     CHECK_FALSE(w.cast_ray_any({{}, {Real::max(), Real::min(), Real::max()}}));
     CHECK(w.nearest(whole, {{9_r, 0_r, 0_r}, Quat{}}, Real::max()).has_value());
@@ -137,7 +137,7 @@ TEST_CASE("misuse: questions that make no sense are answered with nothing, and c
 
     const Ray rays[] = {{{}, way}, {{}, way}, {{}, way}};
     std::optional<QueryHit> answers[2];
-    w.cast_rays(rays, {}, answers); // as many as the shorter has
+    w.cast_rays(rays, {}, answers); // fills the shorter of the two
     CHECK(answers[1].has_value());
     w.cast_rays({}, {}, answers);
     w.cast_rays(rays, {}, {});
@@ -162,7 +162,7 @@ TEST_CASE(
     refused("restore_portable", w.restore_portable({}), "");
     refused("restore_portable", w.restore_portable(std::vector<std::byte>(400, std::byte{1})), "");
     testing::disturb(w, none_of<testing::Leftover>, 1);
-    w.set_tasks(nullptr), w.set_journal(nullptr), w.observe_phases(nullptr); // as they were
+    w.set_tasks(nullptr), w.set_journal(nullptr), w.observe_phases(nullptr); // back to none
     w.record_phase_hashes(false);
     CHECK(w.phase_hashes().empty());
     CHECK(w.hash() == hash);
@@ -204,7 +204,7 @@ TEST_CASE("misuse: a geometry that is refused has no mass, no volume to speak of
     }
     CHECK(good > 20);
     CHECK(bad > 10000);
-    CHECK(mass_properties(box(1_r, 1_r, 1_r), 1_r).mass == 8_r); // the twin
+    CHECK(mass_properties(box(1_r, 1_r, 1_r), 1_r).mass == 8_r); // negative control
     CHECK(triangulate(instance(ShapeKind::hull, AssetId{9}), none).triangles.empty());
     CHECK_FALSE(triangulate(sphere(1_r), none, -5).triangles.empty());
     CHECK(validate(scaled(sphere(1_r), 3_r)).find("scale") != std::string::npos);
@@ -254,7 +254,7 @@ TEST_CASE("misuse: a ragdoll's wrong arguments") {
     CHECK(ragdoll_parent(RagdollPart::pelvis) == RagdollPart::pelvis);
 
     const Ragdoll nobody{};
-    destroy_ragdoll(g.w, nobody); // what of it is still alive: nothing
+    destroy_ragdoll(g.w, nobody); // the ragdoll has no live body
     CHECK(set_ragdoll_drive(g.w, nobody, ragdoll_t_pose(), {.frequency = Real(-1)}).ok());
     CHECK(ragdoll_pose(g.w, nobody) == ragdoll_standing());
     CHECK(g.w.hash() == hash);
@@ -265,14 +265,14 @@ TEST_CASE("misuse: a ragdoll's wrong arguments") {
             set_ragdoll_drive(g.w, doll, ragdoll_t_pose(), {.frequency = 9_r, .torque_max = Real(-1)}),
             "spring_force");
     destroy_ragdoll(g.w, doll);
-    destroy_ragdoll(g.w, doll); // again
+    destroy_ragdoll(g.w, doll); // a second time
     CHECK(g.w.body_count() == 1);
 }
 
 TEST_CASE("misuse: vehicles that are made for nobody, or with no or too many wheels, are refused") {
     Given g;
     refused("chassis", status_of(g.w.create_vehicle(four_wheels({}, {0.8_r, 0_r, 1_r}))), "is not alive");
-    CHECK(two_tracks(g.body, {0.8_r, 0_r, 1_r}, 0).wheel_count == 2); // taken as 1 to 4 a track
+    CHECK(two_tracks(g.body, {0.8_r, 0_r, 1_r}, 0).wheel_count == 2); // clamped to 1 to 4 wheels a track
     CHECK(two_tracks(g.body, {0.8_r, 0_r, 1_r}, ~0u).wheel_count == 8);
     VehicleDef wheels = four_wheels(g.body, {0.8_r, 0_r, 1_r});
     for (const std::uint32_t count : {0u, 9u, ~0u}) {
@@ -342,7 +342,7 @@ TEST_CASE("misuse: verifying, branching, repairing and comparing with wrong argu
             status_of(replay::InputRecorder::begin(sink, game, world, {.options = {{"a", "1"}, {"a", "2"}}})),
             "a");
     CHECK(
-        must(replay::diff({inputs, nullptr}, {inputs, nullptr})).states_agree); // nothing has to be simulated
+        must(replay::diff({inputs, nullptr}, {inputs, nullptr})).states_agree); // compares the stored states
     stops("a hash of no time", [&] { (void)inputs.hash_at(31); });
     stops("a keyframe of no number", [&] { (void)inputs.keyframe_image(99); });
     stops("a block of no tick", [&] { (void)inputs.block_with(30); });

@@ -1,4 +1,4 @@
-// Wrong arguments to sessions that come into a match, and to those who take states.
+// Wrong arguments to sessions that join a match, and to sessions that accept states.
 #include "lockstone/session/join.h"
 #include "lockstone/session/spectator.h"
 #include "session/arena.h"
@@ -30,7 +30,7 @@ TEST_CASE("misuse: joining, and states that are none") {
     CHECK(last_words([&] { session->report_adopted({}, 0); }).starts_with("lockstone: broken rule: "));
     make_rollback_session(def, network.endpoint(0))
         .value()
-        ->report_adopted({}, 0); // it asks for none, and hears of none
+        ->report_adopted({}, 0); // it requested no state, and ignores the report
 
     Arena arena(2);
     const std::uint64_t before = arena.hash();

@@ -32,7 +32,7 @@ TEST_CASE("misuse: a session's wrong arguments") {
         SessionDef hasty = def;
         hasty.disconnect_ms = never;
         refused("patience", status_of(make_rollback_session(hasty, network.endpoint(0))), "disconnect_ms");
-        hasty.disconnect_ms = disconnect_ms_limit; // the twin
+        hasty.disconnect_ms = disconnect_ms_limit; // negative control
         CHECK(make_rollback_session(hasty, network.endpoint(0)));
         ++hasty.disconnect_ms;
         refused("endless patience", status_of(make_rollback_session(hasty, network.endpoint(0))),
@@ -60,11 +60,11 @@ TEST_CASE("misuse: a session's wrong arguments") {
         refused("nobody", session->drop_peer(~0u), "not a peer");
         CHECK_FALSE(session->quality(~0u).connected);
         CHECK(session->set_inspector(nullptr));
-        session->drop_inspector(NobodysInspector()); // which was never set
+        session->drop_inspector(NobodysInspector()); // was never set
         CHECK(session->look_ahead(0).empty());       // run_ahead is 0
         CHECK(session->look_ahead(~0u).empty());
         session->poll(1000);
-        session->poll(10); // time does not go back
+        session->poll(10); // time must not decrease
         CHECK(session->stats().last_poll_ms == 1000);
         CHECK(session->advance().stall == Stall::connecting);
         CHECK(session->current_tick() == 0);
@@ -100,7 +100,8 @@ TEST_CASE("misuse: a ragdoll's rotations are no quaternions of zeros") {
     refused("drive", set_ragdoll_drive(world, ragdoll, zero(RagdollPart::foot_right), {.frequency = 5_r}),
             "pose of foot_right is no rotation");
     CHECK(world.hash() == before);
-    CHECK(set_ragdoll_drive(world, ragdoll, zero(RagdollPart::pelvis), {.frequency = 5_r}).ok()); // not read
+    CHECK(set_ragdoll_drive(world, ragdoll, zero(RagdollPart::pelvis), {.frequency = 5_r})
+              .ok()); // that part is ignored
 }
 
 TEST_CASE("misuse: half a hash is told as half, with all its digits") {
@@ -136,7 +137,7 @@ TEST_CASE("misuse: a recorder's wrong arguments are errors that say what was exp
     refused("a keyframe of another world", recorder.keyframe(lighter), "the world's hash is");
     must(recorder.close());
     refused("a tick after the end", recorder.on_tick(1, inputs.list, 0), "");
-    CHECK(must(read(sink.bytes)).tick_count() == 1); // and the recording is good
+    CHECK(must(read(sink.bytes)).tick_count() == 1); // and the recording is valid
 
     replay::MemorySink tape;
     const auto commands = must(replay::CommandRecorder::begin(tape, world, "small"));

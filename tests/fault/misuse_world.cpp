@@ -1,4 +1,5 @@
-// Wrong arguments to a world: commands answer with a sentence and change nothing, reading ends the program with one.
+// Wrong arguments to a world: commands return an error sentence and change nothing; a read with a wrong argument ends
+// the program with a sentence.
 #include "fault/misuse.h"
 #include "support/sim_scenes.h"
 #include "support/small_game.h"
@@ -24,7 +25,7 @@ struct Score {
     std::int32_t points;
 };
 template <class V> constexpr void describe(Score& s, V&& v) { v("points", s.points); }
-/// Its rows have the size of a Score.
+/// A row with the size of a Score.
 struct Goals {
     std::int32_t goals;
 };
@@ -34,7 +35,7 @@ struct Range {
 };
 template <class V> constexpr void describe(Range& r, V&& v) { v("points", r.points), v("range", r.range); }
 
-/// Two of everything, and an id that has died of each, whose slot lives again.
+/// Two objects of every kind, and for each kind the id of a destroyed one, whose slot is used again.
 struct Given {
     GameSchema schema;
     Column<Health> health = schema.add_body_column<Health>("game.health");
@@ -51,7 +52,7 @@ struct Given {
         REQUIRE(w.destroy(dead_shape).ok());
         REQUIRE(w.destroy(dead_field).ok());
         REQUIRE(w.destroy(dead_joint).ok());
-        w.create_body({}).value(); // in the slots of those that died
+        w.create_body({}).value(); // reuse the slots of the destroyed objects
         w.create_shape(body, {.geometry = sphere(0.5_r)}).value(), w.create_field({}).value();
         w.create_joint(hinge_joint(), {}, body, Transform::identity()).value();
     }
@@ -261,7 +262,7 @@ TEST_CASE("misuse: a world that was moved from, or destroyed under what drives i
     stops("cast_ray", [&] { (void)w.cast_ray({}); });
     stops("clone", [&] { (void)w.clone(); });
     w = std::move(moved);
-    w.tick(); // has a state again
+    w.tick(); // the world has a state again
 
     struct Nothing final : Game {
         std::string name() const override { return "nothing"; }
@@ -292,7 +293,7 @@ TEST_CASE("misuse: a world that was moved from, or destroyed under what drives i
     stops("is asked for failures", [&] { (void)runner.sync_failure(); });
     stops("is asked for its inspector", [&] { (void)runner.inspector(); });
     frame(other);
-    for (const std::uint64_t tick : {std::uint64_t{9}, ~std::uint64_t{0}}) { // never run
+    for (const std::uint64_t tick : {std::uint64_t{9}, ~std::uint64_t{0}}) { // these ticks never ran
         CHECK(other.inspector().state_after(tick) == nullptr);
         CHECK(other.inspector().run_again(tick, {}).phases.empty());
     }

@@ -1,5 +1,5 @@
-// The packet fuzzer's inputs and mutations of them: whatever arrives, a session keeps what it had and what it dropped has
-// changed nothing.
+// The packet fuzzer's inputs and mutations of them: for all packets the rules of packet_check.h hold, and dropped
+// packets change nothing.
 #include "fuzz/corpus.h"
 #include "fuzz/seeds.h"
 
@@ -9,7 +9,7 @@ using namespace lockstone;
 
 namespace {
 
-/// Hands everything on to a session, until a test changes something.
+/// Forwards all calls to a session; a test overrides some.
 class Relay : public Session {
   public:
     explicit Relay(std::unique_ptr<Session> to) : real(std::move(to)) {}
@@ -35,7 +35,7 @@ class Relay : public Session {
     std::unique_ptr<Session> real;
 };
 
-/// A dropped packet lets it hesitate.
+/// A planted fault: the session delays its inputs after a dropped packet.
 class Offended final : public Relay {
   public:
     using Relay::Relay;
@@ -44,7 +44,7 @@ class Offended final : public Relay {
         if (real->stats().packets_dropped > 0) real->set_input_delay(5);
     }
 };
-/// Presses a button of its own.
+/// A planted fault: the session changes one local input.
 class Wilful final : public Relay {
   public:
     using Relay::Relay;
@@ -54,7 +54,7 @@ class Wilful final : public Relay {
         real->add_local_input(player, other);
     }
 };
-/// Stops for good, as if it had lost its place.
+/// A planted fault: the session stalls permanently.
 class Lame final : public Relay {
   public:
     using Relay::Relay;

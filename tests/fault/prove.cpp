@@ -1,4 +1,4 @@
-// lockstone::prove on a small simulation that breaks one rule at a time: the check that is meant for it has to see it.
+// lockstone::prove on a small simulation that breaks one rule at a time: the check of that rule must detect it.
 #include "lockstone/prove.h"
 #include "support/mode_reader.h"
 
@@ -13,25 +13,25 @@ namespace {
 
 enum class Fault {
     none,
-    static_counter,    ///< a tick reads what an earlier run left in the process
+    static_counter,    ///< a tick reads data that an earlier run left in the process
     address,           ///< a tick adds an address
-    column_left_out,   ///< save() forgets a value
-    hash_left_out,     ///< hash() forgets a value
-    scratch_read,      ///< a tick reads what the last tick left outside of the state
-    stale_cache,       ///< a cache is made once and not thrown away by load()
-    knows_the_future,  ///< a tick reads how far the object ever was
+    column_left_out,   ///< save() leaves out a value
+    hash_left_out,     ///< hash() leaves out a value
+    scratch_read,      ///< a tick reads data that the last tick left outside of the state
+    stale_cache,       ///< a cache is made once, and load() does not drop it
+    knows_the_future,  ///< a tick reads the latest tick that the object ever reached
     leftover_read,     ///< a tick reads memory that it should have written first
-    delta_left_out,    ///< a difference forgets a value
-    delta_unnamed,     ///< a difference does not know what it is a difference to
-    keep_is_shallow,   ///< keep() remembers only the last state
-    order_of_tasks,    ///< a sum that depends on which part came first
-    worker_number,     ///< a part writes who ran it
+    delta_left_out,    ///< a difference leaves out a value
+    delta_unnamed,     ///< a difference does not name its base
+    keep_is_shallow,   ///< keep() stores only the last state
+    order_of_tasks,    ///< a sum that depends on the order of the parts
+    worker_number,     ///< a part writes the number of its worker
     load_refuses_late, ///< load() refuses states after tick 5
 };
 
 std::uint64_t runs_made = 0;
 
-/// Eight numbers that mix.
+/// Eight numbers that each tick mixes.
 class Toy final : public Provable {
   public:
     explicit Toy(Fault what) : fault(what) {}
@@ -115,7 +115,7 @@ class Toy final : public Provable {
             if (toy.fault == Fault::worker_number) toy.state[index] += worker;
         };
         if (tasks != nullptr && fault == Fault::worker_number) return tasks->run(8, item, this);
-        // A shared sum in a pool would be a race, which is another fault than this one: random order shows it.
+        // A shared sum in a pool would be a data race, which is a different fault. Random order reveals it as well.
         if (tasks != nullptr && tasks->worker_count() == 5) return tasks->run(8, item, this);
         for (std::uint32_t i = 0; i < 8; ++i) item(this, i, 0);
     }

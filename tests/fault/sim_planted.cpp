@@ -1,4 +1,4 @@
-// The checker of the contract, made to fail on purpose: whatever a restore forgets, it names.
+// Planted faults for the checker of the contract: it must name each column that a restore loses.
 #include "lockstone/testing.h"
 #include "support/sim_replay.h"
 
@@ -18,7 +18,7 @@ const Run& the_run() {
     return run;
 }
 
-/// What the checker says of a world restored at tick 40 after `sabotage` of its state.
+/// The checker's result for a world restored at tick 40 after `sabotage` of its state.
 template <class Sabotage> std::string verdict(Sabotage&& sabotage) {
     World w = start_script(Scenery::pile);
     w.restore(the_run().images[restored_at]);
@@ -54,7 +54,7 @@ TEST_CASE("planted fault: a column left out of the restore is found out and name
     for (const ColumnInfo& info : w.state().layout().columns()) {
         const std::span<const std::byte> bytes = w.state().bytes(index_of(w.state(), info));
         if (std::ranges::all_of(bytes, [](std::byte b) { return b == std::byte{}; }))
-            continue; // nothing to lose
+            continue; // no data to lose
         INFO(info.name);
         CHECK(names(verdict([&](State& s) { zero(s, info.name.c_str()); }), "column " + info.name));
     }

@@ -65,7 +65,7 @@ std::vector<BetweenPasses> followed_in(const ContactPacks& packs) {
     return followed;
 }
 
-/// A plan whose strands have these pieces; each piece is one item, and items count strand after strand.
+/// A plan whose strands have these numbers of pieces. Each piece is one item, and items are numbered strand by strand.
 base::StrandPlan plan_of(std::initializer_list<std::uint32_t> pieces) {
     base::StrandPlan plan;
     std::uint32_t item = 0;
@@ -91,9 +91,9 @@ TEST_CASE("a body is moved in order by items of one strand, and by items that wa
     base::StrandPlan plan = plan_of({2, 1});
     CHECK(order_fault(plan, solved) == "body 7: rank 1 in item 2 does not come after rank 0 in item 1");
     add_wait(plan, 1, 0, {0, 1, false});
-    CHECK(order_fault(plan, solved) != ""); // it waits for the piece before
+    CHECK(order_fault(plan, solved) != ""); // it waits for the piece before that one
     plan.waits[0] = {0, 2, true};
-    CHECK(order_fault(plan, solved) != ""); // it waits for the pass before
+    CHECK(order_fault(plan, solved) != ""); // it waits for the previous pass
     plan.waits[0] = {0, 2, false};
     CHECK(order_fault(plan, solved) == "");
 }
@@ -158,7 +158,7 @@ TEST_CASE(
             }
     CHECK(swapped == 72);
     CHECK(waits > 100);
-    CHECK(left_out > waits * 9 / 10); // other waits may put the same pieces in order
+    CHECK(left_out > waits * 9 / 10); // other waits may order these pieces too
 }
 
 TEST_CASE(

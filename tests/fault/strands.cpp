@@ -1,4 +1,5 @@
-// Strands of pieces: every item once, no piece before those that it waits for, whatever the tasks of a host do.
+// Strands of pieces: each item is visited once, and no piece runs before the pieces that it waits for, with any tasks
+// of a host.
 #include "base/strands.h"
 #include "support/task_runners.h"
 
@@ -15,7 +16,7 @@ using namespace lockstone::test;
 
 namespace {
 
-/// Pieces of up to nine strands, some of which wait for earlier ones of others, or for some of the round before.
+/// Pieces of up to nine strands. Some wait for earlier pieces of other strands, in this round or in the last one.
 base::StrandPlan random_plan(std::mt19937& random) {
     base::StrandPlan plan;
     plan.strands = 2 + static_cast<std::uint32_t>(random() % 8);
@@ -35,7 +36,8 @@ base::StrandPlan random_plan(std::mt19937& random) {
     return plan;
 }
 
-/// Empty when all items are visited once in each round, and none before what its piece waits for. `run`: as base::for_strands().
+/// Returns an error sentence unless each item is visited once in each round, after all pieces that its piece waits for.
+/// `run`: as base::for_strands().
 template <class Run> std::string complaint(int plans, const Run& run) {
     std::mt19937 random(3);
     for (int i = 0; i < plans; ++i) {
@@ -44,7 +46,7 @@ template <class Run> std::string complaint(int plans, const Run& run) {
         std::uint32_t items = 0;
         for (std::uint32_t k = 0; k < plan.strands; ++k)
             if (plan.count(k) != 0) items = std::max(items, plan.pieces[k].back().last);
-        std::vector<std::uint32_t> visits(items, 0); // not atomic: each item is one worker's at a time
+        std::vector<std::uint32_t> visits(items, 0); // not atomic: one worker at a time has an item
         std::array<std::atomic<std::uint32_t>, base::strands_max> done{};
         std::atomic<std::uint32_t> early = 0;
         run(plan, rounds, [&](const base::Piece& piece, base::PieceAt at) {
@@ -82,7 +84,7 @@ TEST_CASE("strands are done by any number of workers, each item once and piece a
     CHECK(complaint_of(nullptr, 500) == "");
 }
 
-// Who takes over a strand has several, of which others may wait for one while it waits for them.
+// A worker that takes over a strand then has several. Other workers may wait for one of them while it waits for theirs.
 TEST_CASE(
     "strands are done by workers that stop in the middle of pieces for longer than others have patience") {
     for (const std::uint32_t workers : {2u, 3u, 4u, 8u}) {

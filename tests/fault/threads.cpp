@@ -1,4 +1,4 @@
-// The pool keeps its contract under contention; and what would break the rule that tasks cannot be told is noticed.
+// The pool keeps its contract under contention. The tests also detect tasks that break the rule of equal results.
 #include "base/bell.h"
 #include "support/task_worlds.h"
 
@@ -15,9 +15,9 @@ namespace {
 
 const bool is_long = std::getenv("LOCKSTONE_LONG") != nullptr;
 
-/// What one run is checked by.
+/// The counts of one run.
 struct Count {
-    std::vector<std::uint32_t> times;                    ///< by item; not atomic: each item has its own
+    std::vector<std::uint32_t> times;                    ///< by item; not atomic: one worker has an item
     std::array<std::atomic<int>, workers_max> at_work{}; ///< by worker
     std::atomic<bool> two_at_once = false;
     std::uint32_t worker_count = 0;
@@ -35,7 +35,7 @@ void count_item(void* context, std::uint32_t index, std::uint32_t worker) {
     count.at_work[worker].fetch_sub(1);
 }
 
-/// Empty when every item of many runs was run once, by a worker that did nothing else meanwhile.
+/// Returns an error sentence unless every item of many runs ran once, on a worker that ran no other item meanwhile.
 std::string complaint(Tasks& tasks, int runs) {
     std::mt19937 random(11);
     Count count;
@@ -54,7 +54,7 @@ std::string complaint(Tasks& tasks, int runs) {
     return count.two_at_once ? "one worker had two items at once" : "";
 }
 
-/// Small worlds on a pile, whose rules run tasks of their own and write down what these did.
+/// A game row in which rules store the result of their own tasks.
 struct Note {
     std::uint64_t sum;
 };
@@ -70,7 +70,8 @@ World noting_world() {
     return world;
 }
 
-/// Rules that fold the numbers of their items: `fold` says how.
+/// Compares worlds whose rules fold the numbers of their items with `fold`, in tasks of random order. Returns the first
+/// difference.
 template <class Fold> std::string departure_of(Fold&& fold) {
     ShuffledTasks shuffled(4);
     return first_departure(
@@ -113,7 +114,7 @@ TEST_CASE("what items wrote is seen by the next run") {
     };
     std::vector<std::uint64_t> expected = numbers;
     for (std::size_t shift = 1; shift < 80; ++shift) {
-        // Even runs read the upper half and write the lower one, odd runs the other way round.
+        // Even runs read the upper half and write the lower one; odd runs do the reverse.
         Job job{numbers, shift};
         const Tasks::Item item = [](void* context, std::uint32_t index, std::uint32_t) {
             const Job& j = *static_cast<const Job*>(context);
@@ -129,7 +130,8 @@ TEST_CASE("what items wrote is seen by the next run") {
 
 namespace {
 
-/// Compares before it locks, as libstdc++ 12 does where the system has no futex; takes its time in between.
+/// A faulty bell: it compares before it locks, as libstdc++ 12 does where the system has no futex, and sleeps in
+/// between.
 class EarlyBell {
   public:
     void wait(const std::atomic<std::uint32_t>& number, std::uint32_t seen) {
@@ -146,7 +148,7 @@ class EarlyBell {
     std::condition_variable rung;
 };
 
-/// Two threads hand a number to and fro and sleep in between.
+/// Two threads pass a number to and fro and sleep in between.
 template <class Bell> void hand_to_and_fro(Bell& to, Bell& fro, std::uint32_t times) {
     std::atomic<std::uint32_t> there = 0, back = 0;
     std::thread other([&] {
@@ -172,7 +174,7 @@ TEST_CASE("who sleeps on a bell is woken, by the system's and by one with a lock
     base::LockedBell locked[2];
     hand_to_and_fro(locked[0], locked[1], is_long ? 200000 : 5000);
     std::atomic<std::uint32_t> number = 1;
-    locked[0].wait(number, 0); // is another already
+    locked[0].wait(number, 0); // the number differs, so the call returns at once
 }
 
 TEST_CASE("planted fault: a bell that compares before it locks leaves somebody asleep") {
@@ -183,8 +185,8 @@ TEST_CASE("planted fault: a bell that compares before it locks leaves somebody a
 
 namespace {
 
-/// Empty when workers that have gone to sleep between runs take part again, and a caller that waits long for an item of another comes back.
-/// Items of a millisecond: whoever is woken finds some left.
+/// Returns an error sentence unless workers that fell asleep between runs take part again, and run() returns to a
+/// caller that waits long for another worker's item. Items take a millisecond, so a woken worker finds some left.
 std::string complaint_of_sleepers(Tasks& tasks) {
     struct Run {
         std::atomic<std::uint32_t> items = 0, by_others = 0;
@@ -196,9 +198,9 @@ std::string complaint_of_sleepers(Tasks& tasks) {
         ++run.items;
         if (worker != 0) ++run.by_others;
     };
-    constexpr std::uint32_t rounds = 10, items = 9; // an odd one: somebody waits
+    constexpr std::uint32_t rounds = 10, items = 9; // odd: one worker waits
     for (std::uint32_t round = 0; round < rounds; ++round) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(3)); // longer than workers look
+        std::this_thread::sleep_for(std::chrono::milliseconds(3)); // longer than workers spin
         for (int twice = 0; twice < 2; ++twice) tasks.run(items, item, &all);
     }
     if (all.items != 2 * rounds * items) return "items are missing";
@@ -239,7 +241,8 @@ TEST_CASE("planted fault: work whose result depends on the order of its items is
     CHECK(found.find("column game.note, row 0, sum") != std::string::npos);
 }
 
-// Items that are left out leave memory that nobody wrote: builds that poison it stop in the sanitizers instead of going wrong.
+// An item that is left out leaves unwritten memory. Builds that poison memory would stop in the sanitizers at such a
+// read.
 #ifdef NDEBUG
 constexpr bool poisons_scratch = false;
 #else
@@ -254,14 +257,14 @@ TEST_CASE("planted fault: a world whose tasks leave an item out, or run one twic
     REQUIRE(sound.runs > 100);
     for (const std::uint64_t first : {sound.runs / 2, sound.runs - 40}) {
         INFO(first);
-        int noticed = 0; // a pass over bodies that nothing pushes is not missed
+        int noticed = 0; // leaving out a pass over bodies without forces has no effect
         for (std::uint64_t run = first; run < first + 8; ++run) {
             FaultyTasks leaves_out(FaultyTasks::Fault::leaves_out, run);
             noticed += first_departure(*game, std::array<Tasks*, 1>{&leaves_out}, 20, 20) != "" ? 1 : 0;
         }
         CHECK(noticed >= 2);
     }
-    bool any_twice = false; // twice is harmless for what only copies
+    bool any_twice = false; // running an item twice is harmless where it only copies
     for (std::uint64_t run = sound.runs / 2; run < sound.runs / 2 + 8; ++run) {
         FaultyTasks twice(FaultyTasks::Fault::runs_twice, run);
         any_twice = any_twice || first_departure(*game, std::array<Tasks*, 1>{&twice}, 20, 20) != "";

@@ -1,4 +1,4 @@
-// Two jobs at once: each is done once, and every item of its loops, whatever the tasks of a host do.
+// Two jobs at once: each job, and every item of its loops, runs once, with any tasks of a host.
 #include "base/two_jobs.h"
 #include "support/task_runners.h"
 
@@ -14,7 +14,7 @@ using namespace lockstone::test;
 
 namespace {
 
-/// A job of some loops, one after the other, and what it has seen.
+/// A job of some successive loops, and its error counts.
 struct Job {
     static constexpr std::uint32_t loops = 40;
     std::uint32_t times = 0;
@@ -25,9 +25,9 @@ struct Job {
 
     struct Loop {
         Job& job;
-        std::vector<std::uint32_t> visits; ///< not atomic: each item is one worker's
+        std::vector<std::uint32_t> visits; ///< not atomic: one worker has an item
     };
-    /// `tasks`: of the job.
+    /// `tasks`: the tasks of this job.
     void run(Tasks& tasks) {
         ++times;
         std::mt19937_64 random(seed);
@@ -47,7 +47,8 @@ struct Job {
     }
 };
 
-/// Empty when both jobs are done once and right. `run(first, second)`: as base::run_both() with the tasks of a host.
+/// Returns an error sentence unless both jobs run once and correctly. `run(first, second)`: as base::run_both() with a
+/// host's tasks.
 template <class Run> std::string complaint(int times, bool sleep, const Run& run) {
     for (int i = 0; i < times; ++i) {
         std::array<std::atomic<bool>, 64> is_at_work{};

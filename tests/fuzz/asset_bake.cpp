@@ -1,5 +1,5 @@
-// Fuzz target: arbitrary numbers into bake_hull, bake_mesh, bake_height_field and bake_compound. Whatever bakes must load,
-// and baking what was loaded must give the same bytes.
+// Fuzz target: arbitrary numbers as input of bake_hull, bake_mesh, bake_height_field and bake_compound. Every result
+// must load, and baking a loaded asset again must give equal bytes.
 //
 //   built like tests/fuzz/asset_load.cpp
 #include "fuzz/checks/asset_check.h"
@@ -12,7 +12,7 @@ namespace {
 
 using namespace lockstone;
 
-/// Numbers from the input; zeros when it is used up.
+/// Reads numbers from the input; zeros after its end.
 class Numbers {
   public:
     explicit Numbers(std::span<const std::uint8_t> from) : bytes(from) {}
@@ -23,7 +23,7 @@ class Numbers {
         bytes = bytes.subspan(size);
         return value;
     }
-    /// A 16-bit value at one of four magnitudes: neighbours in a plane are as likely as far points.
+    /// A 16-bit value at one of four magnitudes, so that neighbours in a plane are as likely as far points.
     std::int64_t place(int bits) {
         const std::int64_t small = next<std::int16_t>();
         return small * (std::int64_t{1} << (next<std::uint8_t>() % 4 * bits / 3));

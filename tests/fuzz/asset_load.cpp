@@ -1,4 +1,4 @@
-// Fuzz target: any bytes as an asset.
+// Fuzz target: arbitrary bytes as an asset.
 //
 //   clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -Iinclude -Isrc -Itests tests/fuzz/asset_load.cpp
 //           src/base/*.cpp src/math/*.cpp src/shapes/*.cpp -lxxhash -o asset_load

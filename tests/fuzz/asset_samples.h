@@ -1,4 +1,4 @@
-// One or two small assets of each kind, to be damaged.
+// One or two small assets of each kind, which the tests damage.
 #pragma once
 
 #include "fuzz/checks/asset_check.h"
@@ -72,7 +72,7 @@ inline std::vector<Sample> samples() {
             {"compound", sample_compound()}};
 }
 
-/// Of version 1.1: triangles that baking moved, and surfaces.
+/// Samples of version 1.1: triangles that baking moved, and surfaces.
 inline std::vector<Sample> newer_samples() {
     const std::vector<Vec3> vertices = {{Real{}, Real{}, Real{}},
                                         {Real(1), Real{}, Real{}},

@@ -1,4 +1,4 @@
-// Any bytes as a model: cooking has to end with a sentence or with assets that load.
+// Fuzz target: arbitrary bytes as a model. Cooking must return an error sentence or assets that load.
 // The format of the bytes is in cook_input.h; make_cook_corpus.py wrote the first inputs of corpus/cook.
 #include "cook_input.h"
 

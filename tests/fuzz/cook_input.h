@@ -1,4 +1,4 @@
-// Bytes as a model and options for `cook`: what the fuzzer makes up and the corpus keeps.
+// Bytes as a model and options for `cook`, as the fuzzer generates them and the corpus stores them.
 #pragma once
 
 #include "cook/cook.h"
@@ -9,7 +9,7 @@
 
 namespace fuzz {
 
-/// Takes numbers from the front; zeros once the bytes are used up.
+/// Reads numbers from the front; zeros after the end.
 class Bytes {
   public:
     explicit Bytes(std::span<const std::uint8_t> all) : rest(all) {}
@@ -28,7 +28,7 @@ class Bytes {
     std::span<const std::uint8_t> rest;
 };
 
-/// The formats of model files, by the first byte of an input of fuzz_cook_import.
+/// The formats of model files. The first byte of an input of fuzz_cook_import selects one.
 inline constexpr std::array import_extensions = {"stl", "ply", "obj", "gltf", "glb", "fbx", "off"};
 
 struct CookInput {
@@ -36,7 +36,7 @@ struct CookInput {
     lockstone::cook::CookOptions options;
 };
 
-/// Eight bytes of options, the vertices, then three bytes a triangle. Flag bits: 1 coordinates are floats of any bits
+/// Eight bytes of options, the vertices, then three bytes per triangle. Flag bits: 1 coordinates are floats of any bits
 /// (else 1/1024 m), 2 indices may name no vertex, 4 the model is repeated 3000 times as large, 8 two-sided, 16 z is up.
 inline CookInput read_cook_input(std::span<const std::uint8_t> data) {
     using namespace lockstone::cook;
@@ -46,12 +46,12 @@ inline CookInput read_cook_input(std::span<const std::uint8_t> data) {
     out.options.as = static_cast<Wanted>(kind % 4);
     out.options.two_sided = (flags & 8u) != 0;
     out.options.z_up = (flags & 16u) != 0;
-    out.options.samples = 50; // the checks run; how sharp they are is asked elsewhere
+    out.options.samples = 50; // the checks run; other tests measure their sharpness
     out.options.corners_max = 4 + in.take<std::uint8_t>() % 252u;
     out.options.parts_max = 1 + in.take<std::uint8_t>() % 3u;
     out.options.deviation = 0.001 * in.take<std::uint8_t>() * in.take<std::uint8_t>();
     const auto cells =
-        in.take<std::uint8_t>(); // of a height field along its longer side; more would only take longer
+        in.take<std::uint8_t>(); // cells of a height field along its longer side; more would only take longer
     const auto count = static_cast<std::size_t>(in.take<std::uint8_t>());
     const double unit = (flags & 4u) != 0 ? 3000.0 / 1024 : 1.0 / 1024;
     for (std::size_t i = 0; i < count; ++i) {
@@ -73,7 +73,8 @@ inline CookInput read_cook_input(std::span<const std::uint8_t> data) {
     return out;
 }
 
-/// Cooks. Empty when the answer is a sentence, or assets that load with the id that was told; else what is wrong.
+/// Cooks the input. Returns an error sentence unless the result is an error sentence or assets that load with the
+/// reported id.
 inline std::string check_cook(std::span<const std::uint8_t> data) {
     using namespace lockstone;
     const CookInput input = read_cook_input(data);

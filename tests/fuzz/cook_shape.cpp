@@ -1,5 +1,6 @@
-// Any bytes as a model, through what makes assets of it: hull, mesh and height field, without the decomposition and
-// without the measuring, which take most of the time and make no bytes; fuzz_cook has all of it. Same inputs as fuzz_cook.
+// Fuzz target: arbitrary bytes as a model, for the bakers of hull, mesh and height field. It leaves out decomposition
+// and measuring, which take most of the time and write no bytes; fuzz_cook runs both. The inputs are those of
+// fuzz_cook.
 #include "cook/convex.h"
 #include "cook/height_field.h"
 #include "cook_input.h"
@@ -52,7 +53,8 @@ Result<AssetBytes> bake_as_wanted(const Soup& soup, const CookOptions& options) 
     }
 }
 
-/// Empty, or what is wrong: an error without a sentence, or bytes that do not load and come back.
+/// Returns a sentence for an error without a message, or for bytes that do not load and bake to equal bytes. Else an
+/// empty string.
 std::string complaint(const fuzz::CookInput& input) {
     if (!check(input.model).empty()) return {};
     const Soup soup = compacted(welded(input.model));

@@ -1,4 +1,4 @@
-// The kept inputs of a fuzzer, the seeds among them written anew on request, and mutations of them.
+// The kept inputs of a fuzzer, its seeds, which are rewritten on request, and mutations of them.
 #pragma once
 
 #include "fuzz/edits.h"
@@ -11,8 +11,8 @@
 
 namespace fuzz {
 
-/// tests/fuzz/corpus/FOLDER, by name: the order of a directory is anybody's. LOCKSTONE_WRITE_CORPUS=1 writes the seeds
-/// there first.
+/// Returns the files of tests/fuzz/corpus/FOLDER, sorted by name, because the order of a directory is undefined.
+/// LOCKSTONE_WRITE_CORPUS=1 writes the seeds there first.
 inline std::vector<Buffer> corpus(const std::string& folder, const std::vector<Seed>& seeds) {
     namespace fs = std::filesystem;
     const fs::path path = fs::path(LOCKSTONE_SOURCE_DIR) / "tests/fuzz/corpus" / folder;
@@ -36,7 +36,7 @@ inline std::vector<Buffer> corpus(const std::string& folder, const std::vector<S
     return all;
 }
 
-/// One of them with a few bytes changed, cut, doubled, or more at its end.
+/// One of them with a few bytes changed, cut, duplicated or appended.
 inline Buffer mutated(const std::vector<Buffer>& all, lockstone::Random& random) {
     Buffer bytes = all[random.below(static_cast<std::uint32_t>(all.size()))];
     for (std::uint32_t edits = 1 + random.below(4); edits > 0 && !bytes.empty(); --edits) {

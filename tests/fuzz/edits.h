@@ -1,5 +1,4 @@
-// Inputs that say where something good is to be damaged: a few bytes reach any place, so the fuzzer need not carry what
-// it damages.
+// Inputs that describe damage to valid data. A few bytes reach any place, so an input need not contain the data.
 #pragma once
 
 #include "base/bytes.h"
@@ -22,7 +21,7 @@ struct Seed {
     Buffer bytes;
 };
 
-/// Takes from the front; zeros once the input is used up.
+/// Reads from the front; zeros after the end of the input.
 class Input {
   public:
     explicit Input(std::span<const std::byte> all) : rest(all) {}
@@ -34,7 +33,7 @@ class Input {
         return lockstone::base::load_little_endian<N>(bytes.data());
     }
     std::uint8_t take_u8() { return take<std::uint8_t>(); }
-    /// As many as there are, at most `size`.
+    /// Returns the remaining bytes, at most `size`.
     std::span<const std::byte> take_bytes(std::size_t size) {
         const std::span<const std::byte> taken = rest.first(std::min(size, rest.size()));
         rest = rest.subspan(taken.size());
@@ -46,7 +45,8 @@ class Input {
     std::span<const std::byte> rest;
 };
 
-/// One change: place u16 (counted round and round), bytes that go u8, bytes that come u8, those.
+/// One change: place u16 (modulo the size), number of removed bytes u8, number of inserted bytes u8, the inserted
+/// bytes.
 inline void splice(Input& in, Buffer& into) {
     const std::size_t place = in.take<std::uint16_t>() % (into.size() + 1);
     const std::size_t gone = std::min<std::size_t>(in.take_u8(), into.size() - place);
@@ -57,7 +57,7 @@ inline void splice(Input& in, Buffer& into) {
     into = std::move(out);
 }
 
-/// Writes inputs that way, for seeds.
+/// Writes inputs in this format, for seeds.
 class Script {
   public:
     Script& u8(std::uint8_t v) { return to().u8(v), *this; }

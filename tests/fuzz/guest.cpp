@@ -1,4 +1,4 @@
-// Fuzz target: packets of those who watch, come in or ask about a desync. The inputs are described in guest_check.h.
+// Fuzz target: packets of spectators, of joining machines and about desyncs. guest_check.h describes the inputs.
 #include "fuzz/checks/guest_check.h"
 
 #include <cstdio>

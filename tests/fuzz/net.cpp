@@ -1,4 +1,4 @@
-// Fuzz target: any datagrams to players and a relay in the middle of a match. The inputs are described in net_check.h.
+// Fuzz target: arbitrary datagrams to players and a relay during a match. net_check.h describes the inputs.
 #include "fuzz/checks/net_check.h"
 #include "fuzz/same_keys.h"
 

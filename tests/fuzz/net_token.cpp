@@ -1,4 +1,4 @@
-// Fuzz target: any bytes as a token or a pass, sealed or not.
+// Fuzz target: arbitrary bytes as a token or a pass, sealed or not.
 #include "fuzz/checks/net_check.h"
 #include "fuzz/same_keys.h"
 

@@ -1,4 +1,4 @@
-// Fuzz target: any packets to a session in the middle of a match. The inputs are described in packet_check.h.
+// Fuzz target: arbitrary packets to a session during a match. packet_check.h describes the inputs.
 #include "fuzz/checks/packet_check.h"
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Fuzz target: any bytes as a recording, read and played. The inputs are described in recording_check.h.
+// Fuzz target: arbitrary bytes as a recording, read and played. recording_check.h describes the inputs.
 #include "fuzz/checks/recording_check.h"
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// The same keys, nonces and cookies for every input, so that what an input did it does again. For fuzzers alone.
+// Equal keys, nonces and cookies for every input, so that an input repeats its behaviour. For fuzzers only.
 #pragma once
 
 #include "lockstone/math/random.h"

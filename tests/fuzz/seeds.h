@@ -20,20 +20,20 @@ inline std::uint8_t column_named(std::string_view name) {
     return static_cast<std::uint8_t>(layout.find_column(name) - layout.columns().data());
 }
 
-/// Numbers that commands do not bound change in every row, a little or to an edge.
+/// Changes numbers that commands do not bound, in every row, a little or to an edge value.
 inline Script& change_numbers(Script& to, std::uint8_t how, std::uint8_t by) {
     for (const std::string_view column :
          {"body.velocity", "body.force", "body.pose", "contact.memory", "contact.point", "joint.memory",
           "vehicle.memory", "game.bruise", "game.purse"})
         for (std::uint8_t row = 0; row < 2; ++row) {
             const std::uint16_t first =
-                column == "contact.memory" ? 2 : 0; // behind the flags and the number of points
+                column == "contact.memory" ? 2 : 0; // after the flags and the number of points
             to.u8(column_named(column)).u8(row).u16(static_cast<std::uint16_t>(first + row)).u8(how).u8(by);
         }
     return to;
 }
 
-/// A world of one ball, three ticks: a whole recording in few bytes.
+/// A world of one ball and three ticks: a complete recording in few bytes.
 inline Buffer least_recording() {
     WorldDef def;
     def.bodies_max = def.shapes_max = def.contacts_max = 4;

@@ -1,4 +1,4 @@
-// Fuzz target: any bytes as a world's state, a portable image or a delta. The inputs are described in state_check.h.
+// Fuzz target: arbitrary bytes as a world's state, a portable image or a delta. state_check.h describes the inputs.
 #include "fuzz/checks/state_check.h"
 
 #include <cstdio>

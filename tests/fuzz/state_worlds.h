@@ -1,4 +1,4 @@
-// Three small worlds that together have rows in every column: what the state fuzzer damages.
+// Three small worlds that together have rows in every column. The state fuzzer damages them.
 #pragma once
 
 #include "fuzz/asset_samples.h"
@@ -7,7 +7,7 @@
 
 namespace fuzz {
 
-/// Columns of a game in all of them.
+/// A game column that all of them have.
 struct Purse {
     std::uint64_t coins;
     std::int32_t luck;
@@ -38,7 +38,7 @@ inline World empty_world(std::shared_ptr<const AssetLibrary> assets = nullptr) {
     return made(World::create(def, schema, std::move(assets)));
 }
 
-/// A crate at rest that sleeps, a ball on its way over a moving belt, a sensor, water, bodies that may not touch.
+/// A sleeping crate, a ball that moves over a belt, a sensor, water, bodies with a pair filter.
 inline World world_of_blocks() {
     World w = empty_world();
     add_floor(w);
@@ -58,7 +58,7 @@ inline World world_of_blocks() {
     return w;
 }
 
-/// Joints of several kinds, hulls, a compound and a mesh, a pair that sleeps.
+/// Joints of several kinds, hulls, a compound and a mesh, a sleeping pair.
 inline World world_of_joints() {
     AssetLibrary library = library_with_hull();
     const Geometry hull = library.geometry(library.ids().front()).value();
@@ -89,7 +89,7 @@ inline World world_of_joints() {
     return w;
 }
 
-/// A car that drives, a character that walks to a crate.
+/// A driving car, and a character that walks to a crate.
 inline World world_of_drivers() {
     World w = empty_world();
     add_floor(w);
@@ -108,7 +108,7 @@ inline World world_of_drivers() {
 
 inline constexpr std::size_t base_count = 3;
 
-/// A world at three times, a tick between one and the next.
+/// A world at three successive ticks.
 struct Base {
     lockstone::World before, now, after;
     lockstone::Image image_before, image; ///< of `before` and `now`

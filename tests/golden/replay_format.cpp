@@ -1,4 +1,4 @@
-// FORMAT.md and the code hold each other: the vectors on the page are what the writer writes, byte for byte.
+// FORMAT.md and the code must agree: the writer's bytes equal the vectors on the page.
 #include "replay/format/codec.h"
 #include "replay/replay.h"
 #include "support/small_game.h"
@@ -21,7 +21,7 @@ std::string text_of(const std::string& path) {
     return out.str();
 }
 
-/// The bytes of the fenced block "```lsr NAME" on the page; what follows a '#' on a line is comment.
+/// The bytes of the fenced block "```lsr NAME" on the page. A '#' begins a comment.
 std::vector<std::byte> vector_on_page(const std::string& name) {
     std::istringstream page(text_of("replay/FORMAT.md"));
     std::vector<std::byte> bytes;
@@ -64,7 +64,7 @@ GameSchema tiny_schema() {
     return schema;
 }
 
-/// Every field by name, so that the page does not change with a default.
+/// Sets every field by name, so that the page does not depend on a default.
 WorldDef tiny_def() {
     WorldDef def;
     def.tick_rate = 60;
@@ -92,8 +92,8 @@ WorldDef tiny_def() {
     return def;
 }
 
-/// Three ticks of two players, the second of whom leaves; a keyframe after the second tick. The images are
-/// not those of an engine: the file does not look into them.
+/// Three ticks of two players; the second player leaves. A keyframe follows the second tick. The images are invented,
+/// because the file format does not interpret them.
 std::vector<std::byte> tiny_inputs() {
     MemorySink sink;
     const std::string_view first = "portable image", second = "portable imago";
@@ -125,7 +125,7 @@ std::vector<std::byte> tiny_commands() {
     return sink.bytes;
 }
 
-/// Where two byte strings part, for a failure that tells something.
+/// The first difference of two byte strings, for a helpful message.
 std::string first_difference(std::span<const std::byte> a, std::span<const std::byte> b) {
     std::size_t i = 0;
     while (i < a.size() && i < b.size() && a[i] == b[i]) ++i;

@@ -1,5 +1,5 @@
-// The root hash of every scene at a few ticks, from a table in a file. A change of a hash is a change of behaviour:
-// when it is meant, put the printed rows into hashes.tsv and say in the commit what changed.
+// The root hash of every scene at a few ticks, from a table in a file. A changed hash means changed behaviour. If the
+// change is intended, put the printed rows into hashes.tsv and name the change in the commit.
 #include "golden/table.h"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// The self test of the library: small worlds of this build against stored hashes, and the twin that has a wrong one.
+// The self test of the library: small worlds of this build against stored hashes, and a planted wrong hash.
 #include "lockstone/prove.h"
 #include "lockstone/testing.h"
 #include "prove/random_world.h"
@@ -15,7 +15,7 @@ using namespace lockstone;
 
 namespace {
 
-/// Properties that the worlds of the self test have at some tick, counted.
+/// Counts properties that worlds of the self test have at some tick.
 struct Seen {
     std::set<ShapeKind> shapes;
     std::set<JointKind> joints;
@@ -23,7 +23,7 @@ struct Seen {
     std::set<BodyKind> bodies;
     std::uint64_t locked = 0, bouncing = 0, rolling = 0, fallen_asleep = 0, woken = 0, broken = 0;
     std::uint32_t least = ~0u, most = 0; ///< bodies
-    std::size_t packs = 0;               ///< worlds with as many contacts as the widest lanes have
+    std::size_t packs = 0;               ///< worlds with enough contacts for the widest lanes
 
     void look(const World& world) {
         least = std::min(least, world.body_count()), most = std::max(most, world.body_count());

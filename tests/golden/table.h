@@ -46,11 +46,11 @@ inline Table read_table(std::istream& in) {
     return table;
 }
 
-/// Runs the games that the table names up to the ticks that it names, by the machine's best instruction set if none is given.
+/// Runs the games of the table to the table's ticks, with the machine's best instruction set if none is given.
 inline Table computed(const Table& wanted, std::optional<Simd> level = {}) {
     Table table;
     std::map<std::string, std::uint64_t> last;
-    for (const auto& [key, hash] : wanted) last[key.game] = key.tick; // ascending, so the last stays
+    for (const auto& [key, hash] : wanted) last[key.game] = key.tick; // ascending, so the last tick remains
     for (const auto& [name, end] : last) {
         const auto game = make_scene_named(name).value();
         World world = game->start().value();
@@ -65,7 +65,7 @@ inline Table computed(const Table& wanted, std::optional<Simd> level = {}) {
     return table;
 }
 
-/// The rows to paste, one for each difference.
+/// The rows to paste into the table, one for each difference.
 inline std::string differences(const Table& expected, const Table& found) {
     std::string rows;
     for (const auto& [key, hash] : expected)

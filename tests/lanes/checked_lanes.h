@@ -1,8 +1,9 @@
-// Four lanes that track which of their bits have a meaning, and record every operation that reads others.
+// Four lanes that track their meaningful bits, and record every operation that reads other bits.
 //
-// The high half of a lane that holds a 32-bit number is anything (src/solve/lanes/scalar.h). An instruction set has something in it all the
-// same, and for most it is the sign; a kernel that reads it then works on one machine and not on another. Here it is a rotated copy of
-// the low half, which is no sign, and each read of it is recorded, as memory checkers record reads of unwritten memory.
+// The high half of a lane with a 32-bit number is unspecified (src/solve/lanes/scalar.h). Each instruction set has some
+// value there, often the sign. A kernel that reads it works on one machine and fails on another. Here the half is a
+// rotated copy of the low half, which is no sign, and each read of it is recorded, as memory checkers record reads of
+// unwritten memory.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +14,10 @@
 
 namespace lockstone::test {
 
-/// Reads of bits without a meaning, by any thread since the start.
+/// Counts reads of unspecified bits by all threads since the start.
 struct LaneFaults {
     static inline std::atomic<std::uint64_t> count{0};
-    static inline std::atomic<const char*> first{nullptr}; ///< the operation; null if there was none
+    static inline std::atomic<const char*> first{nullptr}; ///< the first such operation; null: none
 
     static void note(bool is_right, const char* operation) {
         if (is_right) return;
@@ -27,7 +28,8 @@ struct LaneFaults {
     static void forget() { count = 0, first = nullptr; }
 };
 
-/// An instruction set with 32-bit numbers side by side, as that of WebAssembly. See src/solve/lanes/scalar.h for what each operation means.
+/// An instruction set with packed 32-bit numbers, like that of WebAssembly. src/solve/lanes/scalar.h defines each
+/// operation.
 struct CheckedLanes {
     static constexpr unsigned lanes = 4;
     struct Low {
@@ -37,7 +39,7 @@ struct CheckedLanes {
     struct V {
         std::array<std::int64_t, lanes> at;
         std::array<std::uint64_t, lanes> known = {every_bit, every_bit, every_bit,
-                                                  every_bit}; ///< which bits have a meaning
+                                                  every_bit}; ///< the meaningful bits
     };
 
     static V splat(std::int64_t x) { return {{x, x, x, x}}; }
@@ -54,7 +56,7 @@ struct CheckedLanes {
         for (const std::uint64_t known : x.known) LaneFaults::note((known & low_half) == low_half, "packed");
         return each<Low>([&](unsigned k) { return static_cast<std::int32_t>(x.at[k]); });
     }
-    /// Masks are so in whole lanes.
+    /// A mask of a 32-bit number is valid as a mask of the whole lane.
     static V spread(Low x) {
         V all = each<V>([&](unsigned k) {
             const std::uint32_t bits = static_cast<std::uint32_t>(x.at[k]);
@@ -141,7 +143,7 @@ struct CheckedLanes {
         LaneFaults::note(is_mask(mask), "select by no mask");
         return each<Low>([&](unsigned k) { return mask.at[k] != 0 ? a.at[k] : b.at[k]; });
     }
-    /// A bit that is known to be 0 decides alone.
+    /// A known 0 bit decides the result alone.
     static V both(V a, V b) {
         V all = each<V>([&](unsigned k) { return a.at[k] & b.at[k]; });
         for (unsigned k = 0; k < lanes; ++k)
@@ -174,7 +176,7 @@ struct CheckedLanes {
     template <class Body> static void gather6(const Body* const* p, V* out) {
         for (int i = 0; i < 6; ++i) out[i] = each<V>([&](unsigned k) { return words(p[k])[i]; });
     }
-    /// Six numbers of 32 bits behind the velocities.
+    /// Six numbers of 32 bits that follow the velocities.
     template <class Body> static void gather_motion(const Body* const* p, V* out) {
         for (int i = 0; i < 6; ++i)
             out[i] = spread(each<Low>(
@@ -206,7 +208,7 @@ struct CheckedLanes {
         for (std::int64_t& lane : x.at) lane = ~lane;
         return x;
     }
-    /// Bits below the lowest one without a meaning do not depend on it.
+    /// Result bits below the lowest unspecified bit do not depend on it.
     template <class F> static V carried(V a, V b, F f) {
         V all = each<V>([&](unsigned k) { return signed_of(f(bits(a.at[k]), bits(b.at[k]))); });
         for (unsigned k = 0; k < lanes; ++k) {

@@ -1,4 +1,4 @@
-// The kernels of plain integers in this program: a linker takes these and leaves the library's in its archive.
+// The kernels of plain integers in this program. The linker takes these and ignores the library's in its archive.
 #include "solve/kernels/kernels.h"
 #include "lanes/checked_lanes.h"
 #include "solve/bodies/kernel.h"

@@ -1,4 +1,4 @@
-// No kernel reads bits of a lane that have no meaning, whatever an instruction set happens to have there.
+// No kernel reads unspecified bits of a lane, so no instruction set's value there matters.
 #include "golden/table.h"
 #include "lanes/checked_lanes.h"
 #include "solve/kernels/kernels.h"
@@ -30,11 +30,11 @@ TEST_CASE("bits that have no meaning are noticed") {
     CHECK(faults([&] { L::store64(out, low); }) == 1);
     CHECK(faults([&] { L::store64(out, L::add(low, whole)); }) == 1);
     CHECK(faults([&] { L::greater64(low, whole); }) == 1);
-    CHECK(faults([&] { L::packed(L::shift_right<1>(low)); }) == 4); // of each lane
+    CHECK(faults([&] { L::packed(L::shift_right<1>(low)); }) == 4); // one for each lane
     CHECK(faults([&] { L::shift_right_signed<1>(low); }) == 1);
     CHECK(faults([&] { L::shift_right_by(whole, low); }) == 1);
     CHECK(faults([&] { L::select(whole, low, low); }) == 1);
-    CHECK(faults([&] { L::lanes_of(whole); }) == 2); // once more for its low halves
+    CHECK(faults([&] { L::lanes_of(whole); }) == 2); // plus one for its low halves
     CHECK(faults([&] { L::store64(out, whole), L::greater64(whole, whole), L::packed(low); }) == 0);
     CHECK(faults([&] { L::store64(out, L::shift_left<32>(low)), L::packed(L::shift_right<32>(whole)); }) ==
           0);

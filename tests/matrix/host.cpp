@@ -18,7 +18,7 @@ namespace {
 bool poisons = false;
 unsigned char poison_byte = 0;
 
-/// splitmix64: a generator that needs no library, so that it is the same everywhere.
+/// splitmix64: a generator without a library, so that it is equal everywhere.
 std::uint64_t next(std::uint64_t& state) {
     std::uint64_t z = state += 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -26,7 +26,7 @@ std::uint64_t next(std::uint64_t& state) {
     return z ^ (z >> 31);
 }
 
-// The size stands before the block, and the pointer that malloc gave before that.
+// The header before the block: its size, and before that the pointer from malloc.
 struct Header {
     void* base;
     std::size_t size;
@@ -60,7 +60,7 @@ constexpr int modes[] = {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO, FE_TONEAREST};
 constexpr int modes[] = {FE_TONEAREST};
 #endif
 
-/// The bits that flush denormals, in and out, of the unit that this machine has.
+/// The control bits for flushing denormals of this machine's unit.
 std::uint64_t control_word() {
 #if defined(__SSE2__)
     return _mm_getcsr();
@@ -101,7 +101,7 @@ std::uint16_t x87_control() {
 void set_x87_control(std::uint16_t word) { asm volatile("fldcw %0" : : "m"(word)); }
 #endif
 
-/// One thread that takes items in random order and says it is another worker each time.
+/// One thread that runs the items in random order and reports a random worker number each time.
 class Shuffled final : public lockstone::Tasks {
   public:
     explicit Shuffled(std::uint64_t seed) : state(seed) {}
@@ -131,7 +131,7 @@ void move_heap(std::uint64_t seed) {
         if (next(state) % 3 != 0)
             block.reset();
         else if (next(state) % 8 == 0)
-            static_cast<void>(block.release()); // stays where it is to the end of the program
+            static_cast<void>(block.release()); // remains allocated to the end of the program
 }
 
 FloatingPoint::FloatingPoint(bool on, std::uint64_t tick) : active(on) {
@@ -169,7 +169,7 @@ std::unique_ptr<lockstone::Tasks> make_tasks(std::uint32_t workers, std::uint64_
 
 } // namespace host
 
-#if !defined(LOCKSTONE_OWN_ALLOCATOR) // sanitizers bring their own
+#if !defined(LOCKSTONE_OWN_ALLOCATOR) // sanitizers have their own
 void* operator new(std::size_t size) { return host::allocate(size, alignof(std::max_align_t)); }
 void* operator new[](std::size_t size) { return host::allocate(size, alignof(std::max_align_t)); }
 void* operator new(std::size_t size, std::align_val_t a) {
@@ -178,7 +178,7 @@ void* operator new(std::size_t size, std::align_val_t a) {
 void* operator new[](std::size_t size, std::align_val_t a) {
     return host::allocate(size, static_cast<std::size_t>(a));
 }
-// The library of WebAssembly does not make these two from the others, and the functions below release their memory.
+// WebAssembly's library does not derive these two from the others, and the functions below free their memory.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
     return host::allocate(size, alignof(std::max_align_t));
 }
@@ -195,7 +195,7 @@ void operator delete(void* p, std::size_t, std::align_val_t) noexcept { host::re
 void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { host::release(p); }
 #endif
 
-#if defined(__wasm__) // this libc++abi has no exceptions, and only programmer's errors throw
+#if defined(__wasm__) // this libc++abi has no exceptions; only programming errors throw
 extern "C" void* __cxa_allocate_exception(std::size_t) { std::abort(); }
 extern "C" void __cxa_throw(void*, void*, void (*)(void*)) { std::abort(); }
 #endif

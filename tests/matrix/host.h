@@ -1,4 +1,4 @@
-// What a host may do to a simulation: its floating-point unit, its memory, its workers.
+// The environment of a simulation: floating-point unit, memory, workers.
 #pragma once
 
 #include "lockstone/tasks.h"
@@ -8,14 +8,14 @@
 
 namespace host {
 
-/// From now on memory is filled with `byte` when it is allocated and with its complement before it is freed.
+/// From now on, fills memory with `byte` after allocation and with its complement before it is freed.
 void poison(unsigned char byte);
 
-/// Allocates and frees blocks of random sizes, and keeps some, so that what comes next lies elsewhere.
+/// Allocates and frees blocks of random sizes, and keeps some, so that later blocks have other addresses.
 void move_heap(std::uint64_t seed);
 
-/// While it lives: one of four rounding modes, with or without flushing of denormals, x87 at one of three precisions;
-/// which, by the tick. The destructor puts back what was there, so that printing is not affected.
+/// During its lifetime: one of four rounding modes, with or without flushing of denormals, x87 at one of three
+/// precisions. The tick selects them. The destructor restores the old modes, so that printing is not affected.
 class FloatingPoint {
   public:
     FloatingPoint(bool on, std::uint64_t tick);
@@ -30,8 +30,8 @@ class FloatingPoint {
     std::uint16_t precision = 0; ///< x87 control word before
 };
 
-/// A pool for `workers` above 0; one thread that takes items in random order for a `shuffle` that is not 0; else null.
-/// Ends the program with status 2 where there are no threads.
+/// A pool for `workers` above 0; one thread that runs items in random order for a `shuffle` other than 0; else null.
+/// Ends the program with status 2 if threads are not available.
 std::unique_ptr<lockstone::Tasks> make_tasks(std::uint32_t workers, std::uint64_t shuffle);
 
 } // namespace host

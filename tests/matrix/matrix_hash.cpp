@@ -1,21 +1,23 @@
-// One cell of the matrix: runs games and prints their hashes, as tests/golden/hashes.tsv has them, in whatever
-// surroundings the options ask for. Builds with any C++20 compiler for any machine: no library but xxHash's header.
+// One cell of the matrix: runs games and prints their hashes in the format of tests/golden/hashes.tsv, in the
+// environment that the options select. Builds with any C++20 compiler for any machine, without libraries except
+// xxHash's header.
 //
 //   matrix_hash [OPTION...] GAME...      GAME: a Game::name(), as in the golden table
-//   matrix_hash --worlds FIRST COUNT     small random worlds of these seeds; a row for each, with its number of ticks and a hash of all ticks
+//   matrix_hash --worlds FIRST COUNT     small random worlds of these seeds; prints a row for each, with its number of
+//                                        ticks and a hash of all ticks
 //
-//   --ticks N        0: prints the hash of the start alone
+//   --ticks N        0: prints only the hash of the start
 //   --powers         prints ticks 0, 1, 2, 4, 8 ... and the last; else every tick
 //   --workers N      runs ticks on a pool of N workers (builds without threads refuse)
 //   --shuffle SEED   runs the tasks of ticks in random order
 //   --fpu            before each tick the next of all rounding modes, with and without flushing of denormals
 //   --poison BYTE    fills memory with the byte when it is allocated and when it is freed
 //   --move SEED      allocates and frees at random before and between ticks, so that addresses differ
-//   --write FOLDER   writes a snapshot at half of the ticks, its difference to the start, and a recording of all
-//   --read FOLDER    continues from those snapshots, which the differences have to give too, and plays those recordings
+//   --write FOLDER   writes a snapshot at half of the ticks, its difference to the start, and a recording of all ticks
+//   --read FOLDER    continues from those snapshots, which the differences must give too, and plays those recordings
 //                    against their own hashes
 //
-// Exit status: 0 good, 1 a check failed, 2 bad usage.
+// Exit status: 0 success, 1 a check failed, 2 wrong usage.
 #include "host.h"
 #include "metamorphic/worlds/draw.h"
 #include "replay/player.h"
@@ -138,7 +140,7 @@ void advance(const Options& o, const Game& game, World& world, test::ScriptedInp
     good(game.advance(world, now), game.name());
 }
 
-/// Continues from a snapshot that another cell made. Its difference to the start leads there too.
+/// Continues from a snapshot of another cell. Its difference to the start must give an equal state.
 void read_state(const Options& o, const std::string& name, World& world) {
     Image start;
     world.save(start);
@@ -154,7 +156,7 @@ void write_state(const Options& o, const std::string& name, const World& world, 
     write_bytes(file_name(o.write, name, ".delta"), world.save_delta(start));
 }
 
-/// Where a recording goes: a file, as a game would write it, where one is asked for.
+/// The target of a recording: a file, as a game would write it, if one is requested; else memory.
 std::unique_ptr<replay::Sink> sink_of(const Options& o, const std::string& name) {
     if (o.write.empty()) return std::make_unique<replay::MemorySink>();
     const std::string path = file_name(o.write, name, ".lsr");
@@ -186,7 +188,7 @@ void run(const Options& o, const std::string& name) {
     good(file->close(), name);
 }
 
-/// Plays a recording that another cell made: every tick has to give the hash that stands in it.
+/// Plays a recording of another cell: every tick must give the recorded hash.
 void play(const Options& o, const std::string& name) {
     const std::string path = file_name(o.read, name, ".lsr");
     const auto recording = got(replay::Recording::open(path), path);
@@ -202,7 +204,7 @@ void play(const Options& o, const std::string& name) {
     std::printf("# %s: played, %llu ticks agree\n", name.c_str(), static_cast<unsigned long long>(compared));
 }
 
-/// A row for each random world: its number of ticks, and a hash of the hashes of all of them.
+/// A row for each random world: its number of ticks, and a hash of all ticks' hashes.
 void print_worlds(const Options& o) {
     for (std::uint64_t seed = o.first_world; seed < o.first_world + o.worlds; ++seed) {
         const host::FloatingPoint odd(o.fpu, seed);

@@ -1,4 +1,4 @@
-// Definitions with user keys, handed over in any order, make the same world.
+// Definitions with user keys make equal worlds in any order.
 #include "lockstone/assemble.h"
 #include "support/sim_scenes.h"
 
@@ -26,7 +26,8 @@ std::vector<Assembly> definitions() {
     return list;
 }
 
-/// Of random kinds, shapes, masses, speeds and surfaces, with belts, sensors, filters, bullets, locked axes and platforms.
+/// Bodies with random kinds, shapes, masses, speeds and surfaces, with belts, sensors, filters, bullets, locked axes
+/// and platforms.
 std::vector<Assembly> motley(unsigned seed) {
     std::mt19937 random(seed);
     const auto one_in = [&](unsigned n) { return random() % n == 0; };
@@ -195,7 +196,7 @@ TEST_CASE("planted fault: joints, vehicles, characters or fields in the order of
         const Level level = motley_level(1);
         World expected = used_world(false), world = expected.clone();
         made(assemble(expected, level));
-        // One kind swaps its keys, which is what creating it in another order does.
+        // Two objects of one kind swap their keys, which is equivalent to creating them in another order.
         Level other = level;
         if (kind == 0) std::swap(other.joints[0].joint, other.joints[1].joint);
         if (kind == 1) std::swap(other.vehicles[0].chassis, other.vehicles[1].chassis);

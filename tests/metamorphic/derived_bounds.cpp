@@ -1,5 +1,5 @@
-// What a tick keeps beside the state of where shapes are is a function of the state: after any history of rollbacks and
-// commands it is what a world without a history makes of the same state.
+// The bounds and trees that a tick caches beside the state are a function of the state: after any history of rollbacks
+// and commands they equal those of a world without a history.
 #include "base/hash.h"
 #include "support/random.h"
 #include "world/data.h"
@@ -11,7 +11,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// Of all that update_bounds keeps and a tick may read.
+/// Hash of all data that update_bounds caches and a tick may read.
 std::uint64_t derived_hash(sim::Data& w) {
     sim::PlacedShapes& s = w.placed;
     sim::update_bounds(w, s, nullptr);
@@ -37,7 +37,7 @@ std::uint64_t derived_hash(sim::Data& w) {
         if (w.traits_of(shape).geometry.kind != ShapeKind::plane) add_bounds(at.bounds);
     }
     for (const std::uint32_t plane : s.planes) add(plane);
-    // What the trees yield: which shapes are in the world's reach, and which may meet.
+    // The results of the trees: the shapes in the world's range, and the pairs that may touch.
     std::vector<std::uint32_t> near;
     const Vector3<Bound> low{Bound::min(), Bound::min(), Bound::min()},
         high{Bound::max(), Bound::max(), Bound::max()};
@@ -54,7 +54,7 @@ std::uint64_t derived_anew(const sim::Data& w) {
     return derived_hash(fresh);
 }
 
-/// A world without a face, and random things that happen to it.
+/// A world without its public interface, and random operations on it.
 struct Run {
     sim::Data w;
     test::scene::RandomPoint random;
@@ -128,7 +128,7 @@ struct Run {
         sim::forget_derived(w);
         ++restores;
     }
-    /// One tick and what comes before and after it. `check` is called where a game could ask for something.
+    /// One tick with random operations before and after it. Calls `check` at each place where a game could run a query.
     template <class Check> void step(Check&& check) {
         for (std::uint32_t k = below(4); k > 0; --k) {
             command();
@@ -136,7 +136,7 @@ struct Run {
         }
         sim::tick(w);
         check();
-        if (chance(0.3)) { // commands that no tick ever saw
+        if (chance(0.3)) { // commands that a rollback removes before any tick
             w.state.save(images[0]);
             if (chance(0.7)) static_cast<void>(sim::apply(w, DestroyBody{some_body()}));
             for (std::uint32_t k = below(5); k > 0; --k) command();
@@ -152,7 +152,7 @@ struct Run {
             restore(images[below(12)]);
             if (chance(0.5)) check();
         }
-        if (chance(0.02)) { // another owner of the versions
+        if (chance(0.02)) { // a new state owns the versions
             State other(w.state.layout_shared());
             done(other.restore_portable(w.state.save_portable()));
             w.state = std::move(other);

@@ -1,5 +1,5 @@
-// What the hash covers, in every scene: each bit of each column and each row count; and of the block every byte: a row
-// count, a live row, or memory that stays zero or is never looked at.
+// The bytes that the hash covers, in every scene: each bit of each column and each row count. Each byte of the block is
+// part of a row count or a live row, or it stays zero, or the engine never accesses it.
 #include "base/hash.h"
 #include "lockstone/testing.h"
 #include "support/task_worlds.h"
@@ -31,8 +31,9 @@ World after(const Game& game, int ticks) {
 const ColumnInfo& column(const State& s, std::uint32_t index) { return s.layout().columns()[index]; }
 std::uint32_t column_count(const State& s) { return static_cast<std::uint32_t>(s.layout().columns().size()); }
 
-/// Flips each bit of the first and the last row of a column; of all rows in the long run, of the first where every hash
-/// is made twice. The first that `hash` does not see, empty when it sees all; adds to `bits` how many it tried.
+/// Flips each bit of the first and the last row of a column: of all rows in the long run, of only the first where every
+/// hash is computed twice. Returns the first bit that `hash` ignores, or an empty string. Adds the number of tested
+/// bits to `bits`.
 template <class Hash>
 std::string first_uncounted(State& s, std::uint32_t index, std::uint64_t& bits, Hash&& hash) {
     const std::uint32_t row_size = column(s, index).row_size;
@@ -51,7 +52,7 @@ std::string first_uncounted(State& s, std::uint32_t index, std::uint64_t& bits, 
     return hash(s) == before ? "" : "bits that were flipped back leave another hash";
 }
 
-/// The root hash as it would be without one column.
+/// The root hash computed without one column.
 std::uint64_t hash_without(const State& s, std::uint32_t left_out) {
     const HashTree tree = s.hash_tree();
     base::HashStream stream;
@@ -62,7 +63,7 @@ std::uint64_t hash_without(const State& s, std::uint32_t left_out) {
 
 enum class Byte : std::uint8_t { gap, count, live, dead };
 
-/// What each byte of the block is, by the manifest. Empty when two things claim the same byte.
+/// The kind of each byte of the block, by the manifest. Empty when two columns share a byte.
 std::vector<Byte> bytes_of(const State& s) {
     std::vector<Byte> kinds(s.block_bytes().size(), Byte::gap);
     std::size_t claimed = 0;
@@ -82,7 +83,7 @@ std::vector<Byte> bytes_of(const State& s) {
     return claimed == 0 ? kinds : std::vector<Byte>{};
 }
 
-/// What is wrong with the bytes that no manifest names; `filled`: what gaps were filled with.
+/// Returns an error sentence about the bytes that no manifest names. `filled`: the value of the gaps.
 std::string stray_byte(const State& s, std::byte filled) {
     const std::vector<Byte> kinds = bytes_of(s);
     if (kinds.empty()) return "two columns share a byte";
@@ -151,7 +152,7 @@ TEST_CASE("every scene, every tick: a byte of the block is a count, a live row, 
         ScriptedInputs inputs(*game);
         World usual = game->start().value(), filled = usual.clone();
         REQUIRE(stray_byte(usual.state(), std::byte{}) == "");
-        const WorldDef& d = filled.def(); // what grows has gaps that nobody has filled
+        const WorldDef& d = filled.def(); // a block that grows has gaps with other values
         scene::done(filled.reserve({d.bodies_max, d.shapes_max, d.contacts_max, d.fields_max,
                                     d.pair_filters_max, d.joints_max, d.characters_max, d.vehicles_max}));
         fill_gaps(filled.state(), std::byte{0xa5});
@@ -160,7 +161,7 @@ TEST_CASE("every scene, every tick: a byte of the block is a count, a live row, 
             INFO(t);
             filled.save(image);
             for (World* w : {&usual, &filled}) REQUIRE(game->advance(*w, inputs.at(w->tick_count())).ok());
-            if (t % 2 == 1) { // back and again: a restore leaves gaps alone too
+            if (t % 2 == 1) { // a rollback: restore() must not write gaps either
                 filled.restore(image);
                 REQUIRE(game->advance(filled, inputs.at(filled.tick_count())).ok());
             }

@@ -1,5 +1,6 @@
-// The plan of joints serves from tick to tick while joints, bodies and rows stay what they are. Beside each world goes one whose
-// memory is overwritten before every tick, so that all is planned anew: both go the same way.
+// The plan of joints is reused from tick to tick while joints, bodies and rows do not change. Beside each world runs
+// one whose scratch memory is overwritten before every tick, so that it makes a new plan each time: both must have
+// equal states.
 #include "support/rigs/joint_chains.h"
 
 #include <doctest/doctest.h>
@@ -40,7 +41,7 @@ TEST_CASE(
 
 TEST_CASE("planted fault: a plan that is kept although a joint or a body has changed is found out") {
     const ChainRun kept = run_chains(400, [](sim::Data& w) {
-        // The list is made anew, and the tick takes it for that of the last one.
+        // Makes a new list, and the tick accepts it as that of the last tick.
         sim::list_joints(w, w.scratch.joints);
     });
     CHECK(kept.parted_at >= 0);

@@ -1,4 +1,4 @@
-// Small worlds that once had other bits in another execution mode. The program worlds, which has random ones, found them.
+// Small worlds that once had other bits in another execution mode. The program `worlds` found them among random ones.
 #include "metamorphic/worlds/kept.h"
 
 #include <doctest/doctest.h>

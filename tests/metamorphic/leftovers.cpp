@@ -1,5 +1,5 @@
-// What ticks leave behind outside of the state is made different before every tick: memory, the shapes of trees, which
-// pairs are known and in which order they are found. Nothing that can be asked for changes.
+// The test changes the data that ticks leave outside of the state before every tick: memory, the shapes of trees, the
+// known pairs and the order in which they are found. No result may change.
 #include "lockstone/testing.h"
 #include "prove/disturb.h"
 #include "support/task_worlds.h"
@@ -21,7 +21,7 @@ const int tick_count = is_long ? 300 : 8;
 constexpr testing::Leftover leftovers[] = {testing::Leftover::scratch, testing::Leftover::trees,
                                            testing::Leftover::pairs};
 
-/// Rays and boxes through the middle of a world: what trees answer. Empty when both worlds say the same.
+/// Compares rays and boxes through the middle of two worlds, which the trees answer. Empty when both results are equal.
 std::string answers_differ(const World& left, const World& right) {
     const Ray ray{scene::vec(-9, 6, 0.3), scene::vec(20, -8, 0)};
     std::vector<QueryHit> hits[2];
@@ -38,7 +38,7 @@ std::string answers_differ(const World& left, const World& right) {
     return std::ranges::equal(hits[0], hits[1], same) ? "" : "cast_ray_all differs";
 }
 
-/// Runs a game and, beside it, the same with `disturb(world, t)` before every tick and every question. Where they part.
+/// Runs a game twice, once with `disturb(world, t)` before every tick and every query. Returns the first difference.
 template <class Disturb> std::string departs(const Game& game, int ticks, Disturb&& disturb) {
     ScriptedInputs inputs(game);
     World usual = game.start().value(), other = usual.clone();
@@ -54,7 +54,7 @@ template <class Disturb> std::string departs(const Game& game, int ticks, Distur
     return {};
 }
 
-/// A pile on a box, without a face: some of it sleeps.
+/// A pile on a box, without the public interface; parts of it sleep.
 sim::Data sleepy_pile() {
     WorldDef def = scene::drowsy_def();
     sim::Data w(def, {}, std::make_shared<const AssetLibrary>());
@@ -68,7 +68,7 @@ sim::Data sleepy_pile() {
     return w;
 }
 
-/// Whether a pile whose inside is meddled with before a tick departs from one that is left alone.
+/// Returns whether `meddle`, called before each tick, changes the states of a pile.
 template <class Meddle> bool inside_departs(Meddle&& meddle) {
     sim::Data usual = sleepy_pile(), other = sleepy_pile();
     for (int t = 0; t < 60; ++t) {
@@ -145,7 +145,7 @@ TEST_CASE(
         if (t > 0) w.placed.broad_phase.remove(0); // the ground
     }));
     CHECK(inside_departs([](sim::Data& w, int t) {
-        if (t > 0) w.placed.shape[0].pose.position.y += 1_r; // of what rests
+        if (t > 0) w.placed.shape[0].pose.position.y += 1_r; // of a body at rest
     }));
 }
 
@@ -160,7 +160,7 @@ TEST_CASE("planted fault: one bit of the state, or of a scratch that should not 
         testing::state_of(w).edit_bytes(index, 3, 1)[1] ^= std::byte{1};
     });
     CHECK(found.starts_with("tick 13, column body."));
-    const auto reads_contacts = [](sim::Data& w) { // of the tick before
+    const auto reads_contacts = [](sim::Data& w) { // of the last tick
         const std::vector<solve::Contact>& contacts = w.scratch.found.contacts;
         if (!contacts.empty() && contacts[0].count > 4) ++w.state.edit_row(w.m.faults, 0).speed_clamped;
     };

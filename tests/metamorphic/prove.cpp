@@ -1,4 +1,4 @@
-// lockstone::prove on every scene: the properties of the contract, at every tick.
+// Runs lockstone::prove on every scene: the properties of the contract, at every tick.
 #include "lockstone/prove.h"
 #include "support/small_game.h"
 #include "support/task_worlds.h"
@@ -14,7 +14,7 @@ namespace {
 
 const bool is_long = std::getenv("LOCKSTONE_LONG") != nullptr;
 
-/// Small, so that the bits of its state are few.
+/// A small scene, whose state has few bits.
 std::unique_ptr<Game> smaller_scene(const SceneInfo& info, std::uint32_t players = 0) {
     if (is_long && players == 0) return test::small_scene(info);
     return make_scene(info.name,
@@ -47,7 +47,7 @@ TEST_CASE(
     options.bits_max = is_long ? 1000000 : 1500;
     for (const SceneInfo& info : scenes()) {
         check_proof(*smaller_scene(info), options);
-        // Where players are a matter of choice, they are another game.
+        // A scene with optional players is a different game with them.
         if (info.players_max != 0 && info.players_default == 0) check_proof(*smaller_scene(info, 2), options);
     }
 }
@@ -59,7 +59,7 @@ TEST_CASE("inputs of a proof are random bytes from its seed where the game's own
     CHECK(prove(*game, options).value().holds());
 }
 
-/// Its start is another one every time.
+/// A game that starts a different world each time.
 struct Restless : test::SmallGame {
     mutable int starts = 0;
     Result<World> start() const override {
@@ -75,5 +75,5 @@ TEST_CASE("a game that starts another world each time does not repeat") {
     CHECK_FALSE(proof.checks[0].passed);
     CHECK(proof.checks[0].sentence.starts_with("the game starts different worlds: "));
     CHECK(proof.checks[0].sentence.find("gravity.x") != std::string::npos);
-    CHECK(prove(test::SmallGame(), {.ticks = 4, .bits_max = 10}).value().holds()); // the twin
+    CHECK(prove(test::SmallGame(), {.ticks = 4, .bits_max = 10}).value().holds()); // the negative control
 }

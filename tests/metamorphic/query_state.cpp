@@ -1,4 +1,4 @@
-// Questions change nothing, and are answered by the state alone.
+// Queries change no state, and their results depend on the state alone.
 #include "lockstone/testing.h"
 #include "support/about.h"
 #include "support/query_scene.h"
@@ -10,8 +10,8 @@ using namespace lockstone::test::query;
 
 namespace {
 
-/// The tick at which the hashes of a world that is asked and of one that is not first differ; -1: never. With `disturb`
-/// asking does what it must not.
+/// Returns the first tick at which the hashes of a world with queries and of one without differ; -1: none. `disturb`
+/// plants a change of the state.
 int first_difference(int ticks, int questions, bool disturb) {
     const Assets assets;
     World asked = crowd(assets, 60), silent = crowd(assets, 60);
@@ -48,9 +48,10 @@ TEST_CASE("rolled back, run again, restored elsewhere or cloned, every tick give
         answers.push_back(ask(w, assets, 1, 100));
         w.tick();
     }
-    for (std::size_t t = 1; t < ticks; ++t) CHECK(!(answers[t] == answers[t - 1])); // older bounds would show
+    for (std::size_t t = 1; t < ticks; ++t)
+        CHECK(!(answers[t] == answers[t - 1])); // stale bounds would be visible
     CHECK(answers[0].bytes.size() > 1000);
-    World other = crowd(assets, 10); // a tree of another shape, of another history
+    World other = crowd(assets, 10); // a tree of another shape, from another history
     for (int t = 0; t < 90; ++t) {
         other.tick();
         ask(other, assets, 3, 8);

@@ -1,5 +1,5 @@
-// One run, told in many ways: played straight, sought forwards and backwards, through inputs or commands, by segments
-// or threads, through a file or memory, branched and recorded again. The states are the same.
+// One run, played in many ways: straight, with seeks forwards and backwards, from inputs or commands, by segments or
+// threads, from a file or memory, branched and recorded again. The states are equal.
 #include "support/small_recording.h"
 
 #include <doctest/doctest.h>
@@ -20,7 +20,7 @@ Player player_of(const Recording& recording) {
     return must(Player::open(recording, recording.header().mode == Mode::inputs ? &game : nullptr));
 }
 
-/// Every tick forwards, backwards and at random.
+/// Visits every tick forwards, backwards and at random.
 void seek_everywhere(Player& player, const std::vector<std::uint64_t>& hashes) {
     const auto visit = [&](std::uint64_t t) {
         must(player.seek(t));
@@ -274,7 +274,7 @@ TEST_CASE("a recording of another engine is blamed, and its next keyframe testif
     const SmallGame changed(100);
     const Recording ours = must(read(record_inputs(200, {.keyframe_ticks = 50})));
     const Recording theirs = must(read(record_inputs(200, {.keyframe_ticks = 50}, changed)));
-    const DiffReport report = must(diff({ours, &game}, {theirs, &game})); // their rules are not at hand
+    const DiffReport report = must(diff({ours, &game}, {theirs, &game})); // without their rules
     CHECK(report.left_reproduces);
     CHECK(!report.right_reproduces);
     CHECK(report.phase.empty());
@@ -288,7 +288,7 @@ TEST_CASE("inputs that change nothing are told apart from states that differ") {
     auto recorder = must(InputRecorder::begin(sink, game, world));
     for (std::uint64_t t = 0; t < 30; ++t) {
         auto pads = SmallGame::script(t);
-        if (t == 12) pads[1].buttons |= 0x8000u; // a button that the game does not know
+        if (t == 12) pads[1].buttons |= 0x8000u; // a button that the game ignores
         const SmallInputs inputs(pads);
         must(game.advance(world, inputs.list));
         must(recorder.after_tick(world, inputs.list));

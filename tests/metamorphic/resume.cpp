@@ -1,4 +1,4 @@
-// The contract: a world that is saved and restored at any tick, in any way, goes on to the same bits and the same events.
+// The contract: a world that is saved and restored at any tick, in any way, continues with equal bits and equal events.
 #include "lockstone/tasks.h"
 #include "lockstone/testing.h"
 #include "metamorphic/stories.h"
@@ -38,8 +38,8 @@ int count_of(const Run& run, EventKind kind) {
     return count;
 }
 
-/// A second world goes the way of the run; each of the ticks of its story it is moved, and goes on from there. `move` gets the
-/// world and the number of the move.
+/// A second world follows the run. At regular ticks `move` gets that world and the number of the move, and returns a
+/// world that must continue as the run does.
 template <class Move> std::string moved(const Run& run, Move&& move) {
     World walker = run.story.start();
     for (int t = 0, number = 0; t <= run.story.ticks; ++t) {
@@ -53,7 +53,7 @@ template <class Move> std::string moved(const Run& run, Move&& move) {
     return {};
 }
 
-/// Backwards and forwards in turn, so that caches always hold another time.
+/// Restores all images, alternately from both ends, so that the caches always come from another tick.
 std::string restored_everywhere(const Run& run, World w) {
     for (std::size_t i = 0; i < run.images.size(); ++i) {
         const std::size_t t = i % 2 == 0 ? i : run.images.size() - 1 - i;
@@ -183,11 +183,11 @@ TEST_CASE(
     struct Loss {
         const char* story;
         const char* column;
-        std::string_view leaf; ///< empty: all from `first_byte` on
+        std::string_view leaf; ///< empty: all leaves from `first_byte` on
         std::size_t first_byte, from, within;
-        int ways; ///< in how many ticks at least
+        int ways; ///< the least number of ticks with a difference
     };
-    // A character's row keeps its ids, definition and input; the motion of a sleeper may show its loss later.
+    // A character's row keeps its ids, definition and input. A sleeper may show the loss in a later tick.
     constexpr std::size_t kept = sizeof(CharacterId) + sizeof(BodyId) + sizeof(ShapeId) +
                                  sizeof(CharacterDef) + sizeof(CharacterInput);
     for (const Loss& loss : {Loss{"characters", "character.row", "", kept, 0, 1, 60},
@@ -245,7 +245,7 @@ TEST_CASE(
         }
         CHECK(other > 0);
         Run late = run_of(run_named(std::string(v.name) + ", that breaks").story);
-        std::ranges::rotate(late.events, late.events.end() - 1); // is said to have broken a tick later
+        std::ranges::rotate(late.events, late.events.end() - 1); // each event is one place later
         CHECK(restored_everywhere(late, late.story.start()).find("other events") != std::string::npos);
     }
 }
@@ -264,7 +264,7 @@ TEST_CASE("planted fault: water of another density, wind of another speed and a 
     }
     World other = blast.story.start(), after = blast.story.start();
     other.restore(blast.images[60]), after.restore(blast.images[61]);
-    other.tick(); // the blast of tick 60 is the game's
+    other.tick(); // the game applies the blast of tick 60
     CHECK_FALSE(same_motion(other, after));
 }
 

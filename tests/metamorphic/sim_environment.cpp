@@ -1,4 +1,5 @@
-// Nothing around the simulation matters to it: lanes, rounding modes, allocators; and every bit of its state counts.
+// The environment does not affect the simulation: lanes, rounding modes, allocators. Every bit of the state affects its
+// hash.
 #include "lockstone/testing.h"
 #include "support/allocation_counter.h"
 #include "support/sim_script.h"
@@ -26,7 +27,7 @@ struct Solved {
     std::uint64_t hash;
 };
 
-/// The next tick of a world by an instruction set: what its solver had in the end, with all bits. `plant` may meddle with the
+/// Runs the next tick of a world with an instruction set, and returns the solver's final data. `plant` may change the
 /// kernels first.
 template <class Plant> Solved tick_by(const World& w, Simd level, Plant&& plant) {
     sim::Data d(w.def(), w.schema(), w.assets_shared());
@@ -48,9 +49,9 @@ Solved tick_by(const World& w, Simd level) {
     return tick_by(w, level, [](sim::TickScratch&) {});
 }
 
-/// Empty when all velocities, moves and impulses have the same bits.
+/// Returns an empty string if all velocities, moves and impulses have equal bits.
 std::string lanes_differ(const Solved& a, const Solved& b) {
-    for (std::size_t i = 0; i + 1 < a.bodies.size(); ++i) // the still entry takes what is written to it
+    for (std::size_t i = 0; i + 1 < a.bodies.size(); ++i) // the last entry takes writes for static bodies
         if (std::memcmp(&a.bodies[i], &b.bodies[i], sizeof(solve::SolverBody)) != 0)
             return "body row " + std::to_string(i);
     if (a.memory.size() != b.memory.size()) return "how many contacts";
@@ -60,7 +61,8 @@ std::string lanes_differ(const Solved& a, const Solved& b) {
     return a.hash == b.hash ? "" : "hash";
 }
 
-/// The plain kernels, but for one step of a velocity of body 5, and for two micrometres of the first gap of each pair.
+/// The scalar kernels with two faults: one step of a velocity of body 5, and two micrometres of the first gap of each
+/// pair.
 std::uint32_t faster_by_a_step(const solve::BodyPass& pass, std::uint32_t* left) {
     const std::uint32_t count = solve::scalar_bodies.integrate_velocities(pass, left);
     if (pass.first <= 5 && 5 < pass.last) ++pass.bodies[5].v[1];
@@ -185,7 +187,7 @@ TEST_CASE("worlds of every scene tick without allocating what they have ticked t
             for (int t = 0; t < 60; ++t) w.tick();
             return counter.count();
         };
-        run(), run(); // two: memory of the last tick and of this one change places
+        run(), run(); // twice: the memory of the last tick and that of this one swap
         CHECK(run() == 0);
     }
 }

@@ -1,4 +1,4 @@
-// Bodies that sleep change nothing for those that are awake.
+// Sleeping bodies change no motion of awake ones.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>

@@ -9,7 +9,7 @@ namespace {
 constexpr std::endian other_order =
     std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
 
-/// The bytes that the same rows would have in the memory of a host of the other byte order.
+/// The bytes of these rows in the memory of a host of the other byte order.
 std::vector<std::byte> other_host(std::span<const std::byte> rows, std::span<const LeafInfo> leaves,
                                   std::size_t row_size) {
     std::vector<std::byte> out(rows.begin(), rows.end());

@@ -1,4 +1,4 @@
-// How many rows there is memory for is no part of a state: whatever grows when, the same rows give the same bits.
+// The capacity of a state's memory is no part of it: equal rows give equal bits, whenever the memory grew.
 #include "support/state_sample.h"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ struct Growing {
     Column<Inventory> bag;
     Column<std::uint8_t> flag;
 };
-/// Rows of a part of a page, of more than one, of one byte; tables that begin with this many rows.
+/// Columns with less than a page, with several pages, with rows of one byte; tables that begin with this capacity.
 Growing growing(std::uint32_t capacity, std::uint32_t rows_max) {
     StateLayout layout;
     Growing g{};
@@ -53,7 +53,7 @@ TEST_CASE("a state that grows row by row is at every size the one that had all m
         if (rows % 61 == 0 || rows < 20) REQUIRE(grows.save_portable() == has_all.save_portable());
         REQUIRE(grows.verify_versions().ok());
     }
-    CHECK(sizes.size() < 24); // by quarters, from 8 rows on
+    CHECK(sizes.size() < 24); // grows by quarters, from 8 rows on
     CHECK(sizes.back() == most);
     CHECK(State::diff(grows, has_all, 10).empty());
     CHECK(differing_pages(grows.hash_tree(), has_all.hash_tree()).empty());
@@ -61,7 +61,7 @@ TEST_CASE("a state that grows row by row is at every size the one that had all m
 }
 
 TEST_CASE("what grows on the way is the same whatever it was asked for before") {
-    // A function of what is there and what is wanted alone.
+    // A function of the present and the wanted number of rows only.
     const TableInfo table{"t", 0, 1000};
     CHECK(table.grown(0) == 0);
     CHECK(table.grown(1) == 8);

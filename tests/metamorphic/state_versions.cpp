@@ -1,6 +1,5 @@
-// Images copy and hashes recompute only what was written since. Whatever is
-// done in whatever order, they must be those of a state that copies and hashes
-// everything.
+// Images copy, and hashes recompute, only the pages that were written since. After any sequence of operations the
+// results must be those of a state that copies and hashes everything.
 #include "support/state_sample.h"
 
 #include <doctest/doctest.h>
@@ -12,8 +11,7 @@
 namespace lockstone::test {
 namespace {
 
-/// The sample with a column of rows longer than a page, and one whose pages end
-/// off a cache line.
+/// The sample with a column of rows longer than a page, and a column whose pages end off a cache line.
 struct Wide {
     std::shared_ptr<const StateLayout> layout;
     TableId body, bag;
@@ -34,7 +32,7 @@ Wide make_wide(std::uint32_t bodies, std::uint32_t bags, bool grows = false) {
     return w;
 }
 
-/// The plain model: what the block should hold, row counts and live rows one after the other, wherever they stand.
+/// The reference model: the expected content of the block, row counts and live rows in sequence, at any address.
 using Block = std::vector<std::byte>;
 Block block_of(const State& state) {
     const std::span<const std::byte> all = state.block_bytes();
@@ -44,7 +42,7 @@ Block block_of(const State& state) {
         out.insert(out.end(), state.bytes(column).begin(), state.bytes(column).end());
     return out;
 }
-/// Of what is neither a row count nor a live row.
+/// Returns whether all bytes outside of row counts and live rows are zero.
 bool rest_is_zero(const State& state) {
     Block all(state.block_bytes().begin(), state.block_bytes().end());
     std::fill_n(all.begin(), sizeof(std::uint32_t) * state.layout().tables().size(), std::byte{});
@@ -54,7 +52,7 @@ bool rest_is_zero(const State& state) {
     return std::ranges::all_of(all, [](std::byte b) { return b == std::byte{}; });
 }
 
-/// The hash of a state in which nothing was ever hashed before.
+/// The hash of these rows in a state that has never been hashed.
 std::uint64_t full_hash(const State& state, const Wide& wide) {
     State fresh(wide.layout);
     REQUIRE(fresh.restore_portable(state.save_portable()).ok());
@@ -66,7 +64,7 @@ class Player {
     Player(const Wide& w, std::uint64_t seed) : wide(w), random(seed), state(std::in_place, w.layout) {
         for (Kept& kept : ring) state->save(kept.image), kept.block = block();
     }
-    /// One random step; the failed rule, empty when all agree.
+    /// One random operation. Returns the rule that failed, or an empty string.
     std::string step(Player& other, bool forget_marks) {
         const std::uint32_t what = random.below(21);
         if (what < 7)
@@ -100,8 +98,7 @@ class Player {
     SplitMix random;
     std::optional<State> state;
     std::array<Kept, ring_size> ring;
-    std::optional<Block> expected; ///< of the whole block, where an operation
-                                   ///< should give a known one
+    std::optional<Block> expected; ///< of the block after an operation with a known result
 
     Block block() const { return block_of(*state); }
 
@@ -127,7 +124,7 @@ class Player {
     void resize() {
         const TableId table{random.below(2)};
         const std::uint32_t most = wide.capacity[table.index];
-        // Often by little, and to where a page or the table ends.
+        // Often by little, and to the end of a page or of the table.
         std::uint32_t rows = random.below(most + 1);
         if (random.below(2) == 0) rows = std::min(most, state->count(table) + random.below(3));
         if (random.below(4) == 0) rows = random.below(2) == 0 ? most : rows / 170 * 170;
@@ -145,7 +142,7 @@ class Player {
         to.block = block();
         Image fresh;
         state->save(fresh);
-        if (!(fresh == to.image)) expected = Block{}; // cannot be
+        if (!(fresh == to.image)) expected = Block{}; // fails the comparison
     }
     void restore(const Kept& from) {
         state->restore(from.image);
@@ -162,7 +159,7 @@ class Player {
             *state = std::move(moved);
         } else if (how == 2) {
             State moved(std::move(*state));
-            *state = moved; // assigned to after it was moved from
+            *state = moved; // an assignment to a moved-from state
         } else {
             *state = other;
             expected = block_of(other);
@@ -191,7 +188,7 @@ class Player {
     }
 };
 
-/// Two states that also use each other's images; the first failed rule.
+/// Runs two states that also use each other's images. Returns the first rule that failed.
 std::string play(std::uint64_t seed, int steps, bool forget_marks) {
     const bool grows = seed % 2 == 0;
     const Wide wide = seed % 3 == 0   ? make_wide(340, 3, grows)

@@ -1,5 +1,5 @@
-// A world writes its columns through State::edit alone: after every tick the kept hashes and the images are those that
-// full hashes and full copies would give, through rollbacks too.
+// A world writes its columns only through State::edit: after every tick the cached hashes and the images equal full
+// hashes and full copies, also after rollbacks.
 #include "support/sim_script.h"
 
 #include <doctest/doctest.h>
@@ -13,15 +13,15 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// The hash of the same rows in a state that has hashed nothing before.
+/// The hash of these rows in a state that has never been hashed.
 std::uint64_t full_hash(const World& w) {
     State fresh(w.state().layout_shared());
     done(fresh.restore_portable(w.save_portable()));
     return fresh.hash();
 }
 
-/// Runs a scene with a ring of images and goes back now and then, as a match does. `meddle` is called after each tick.
-/// The first rule that fails, empty when none does.
+/// Runs a scene with a ring of images and rolls back sometimes, as a match does. Calls `meddle` after each tick.
+/// Returns the first rule that failed, or an empty string.
 template <class Meddle> std::string rolled(Scenery scenery, Meddle&& meddle) {
     constexpr std::uint64_t ring_size = 8;
     World w = start_script(scenery);
@@ -57,7 +57,7 @@ TEST_CASE("every tick's hash and images are the full ones, through rollbacks") {
 }
 
 TEST_CASE("planted fault: a tick that wrote a definition past edit is found") {
-    // A command of the same tick may rightly give the page a new version: then there is nothing to find.
+    // A command of that tick may give the page a new version; then there is no error to find.
     bool found = false;
     for (std::uint64_t tick = 50; tick < 60 && !found; ++tick) {
         const std::string failed = rolled(Scenery::stack, [tick](const World& w) {

@@ -1,4 +1,4 @@
-// Worlds in which something of each part happens: characters, joints, sleepers, vehicles, water, scenes, every kind of shape.
+// Worlds that exercise each part: characters, joints, sleepers, vehicles, water, scenes, every kind of shape.
 #pragma once
 
 #include "scenes/scenes.h"
@@ -92,7 +92,7 @@ inline World start_joints() {
     return w;
 }
 
-/// Joints are driven, changed, made and destroyed.
+/// Drives, changes, makes and destroys joints.
 inline void step_joints(World& w) {
     const std::uint64_t tick = w.tick_count();
     const auto joint_from = [&](std::uint64_t start) {
@@ -196,7 +196,7 @@ inline void step_vehicles(World& w) {
     w.tick();
 }
 
-/// More kinds of bodies and shapes than rows are compared come, change and go.
+/// Creates, changes and destroys more kinds of bodies and shapes than the comparison has rows.
 inline void step_kinds(World& w) {
     const auto from = static_cast<int>(w.tick_count()) * 90;
     for (int i = 0; i < 90; ++i) {
@@ -213,7 +213,7 @@ inline void step_kinds(World& w) {
     w.tick();
 }
 
-/// A built-in scene by its script.
+/// A built-in scene, played with its script.
 inline Story scene_story(const char* name, std::uint32_t size, int ticks) {
     const std::shared_ptr<const Game> game = made(make_scene(name, {.size = size}));
     return {name,
@@ -228,7 +228,8 @@ inline Story scene_story(const char* name, std::uint32_t size, int ticks) {
             30};
 }
 
-/// A kind of joint alone, with everything on its free axes that an axis can have; slow springs are made quick and slack ropes short.
+/// One joint of a kind, with every feature that an axis can have on its free axes. Slow springs become quick, and slack
+/// ropes short.
 inline Story joint_story(const JointVariant& v, double break_force = 0, double break_torque = 0) {
     JointDef def = v.def;
     for (std::uint32_t i = 0; i < joint_axis_count; ++i) {
@@ -258,7 +259,7 @@ inline Story joint_story(const JointVariant& v, double break_force = 0, double b
             [start] { return start().world; }, step, 40, 8};
 }
 
-/// This joint breaks at 0.95 of its largest load.
+/// The joint breaks at 0.95 of its largest load.
 inline Story breaking_story(const JointVariant& v) {
     const Story whole = joint_story(v);
     World w = whole.start();
@@ -276,7 +277,7 @@ inline Story breaking_story(const JointVariant& v) {
     return joint_story(v, 0.95 * force, 0.95 * torque);
 }
 
-/// A heap that gets more and more of everything, from its tick alone.
+/// Adds objects of every kind to a heap; the tick alone decides which.
 inline void step_heap(World& w) {
     const auto tick = static_cast<int>(w.tick_count());
     for (int i = 0; i < tick % 5; ++i) {

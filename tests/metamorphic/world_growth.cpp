@@ -1,4 +1,4 @@
-// Worlds that had memory ahead and worlds that took it as things came are the same worlds.
+// Worlds that reserved memory and worlds that grew on demand have equal states.
 #include "lockstone/tasks.h"
 #include "metamorphic/stories.h"
 #include "support/rigs/moving_state.h"
@@ -110,11 +110,11 @@ namespace {
 WorldDef crowd_def() {
     WorldDef def = small_def();
     def.bodies_max = def.shapes_max = 2000;
-    def.contacts_max = 300; // so 1,624 pairs are looked at, and 12,992 may be listed
+    def.contacts_max = 300; // so the broad phase visits 1,624 pairs, and may list 12,992
     return def;
 }
 
-/// Balls at nearly one place: half of their square are pairs.
+/// Balls at nearly one place: half of the square of their number are pairs.
 World crowd_of(int balls) {
     World w = made(World::create(crowd_def()));
     add_floor(w);
@@ -127,7 +127,8 @@ World crowd_of(int balls) {
 TEST_CASE("a crowd whose pairs are not all looked at goes on alike from an image and on other threads, and "
           "the game is told") {
     for (const int balls :
-         {70, 170, 400}) { // 2,415 pairs are listed and cut; 14,365 until some part, and 79,800, are not
+         // 2,415 pairs are listed and cut; 14,365 (until some bodies part) and 79,800 are not listed
+         {70, 170, 400}) {
         World w = crowd_of(balls), other = made(World::create(crowd_def()));
         const auto pool = make_worker_pool(3);
         Image image;

@@ -1,4 +1,5 @@
-// The inputs of the fuzzers of datagrams and tokens, and mutations of them. What the keys are is chance here: no law may depend on it.
+// The inputs of the fuzzers of datagrams and tokens, and mutations of them. Keys are random here: no rule may depend on
+// them.
 #include "fuzz/corpus.h"
 #include "fuzz/checks/net_check.h"
 
@@ -33,7 +34,8 @@ TEST_CASE("net corpus: no datagram of hundreds of mutations does harm") {
 
 TEST_CASE("net corpus: tokens and passes of any bytes are opened or refused with a reason") {
     const auto seeds = fuzz::token_seeds();
-    const auto all = fuzz::corpus("net_token", {seeds.begin(), seeds.end() - 1}); // the last holds a nonce
+    const auto all =
+        fuzz::corpus("net_token", {seeds.begin(), seeds.end() - 1}); // the last one holds a nonce
     for (const fuzz::Buffer& bytes : all) CHECK(fuzz::check_token(bytes) == "");
     CHECK(all.size() >= seeds.size() - 1);
     Random random = Random::seeded(2026);

@@ -1,4 +1,4 @@
-// Players find each other over a bad network, and what they say arrives as it was said, once.
+// Players connect over a bad network, and each of their packets arrives unchanged, once.
 #include "net/wire.h"
 
 #include <doctest/doctest.h>
@@ -124,7 +124,7 @@ TEST_CASE("net: nobody else in the match can read or forge what two players send
     players.send(0, 1, 40);
     players.wire.run(100);
     CHECK(players.taken(1).size() == 1);
-    // Player 2 sends what it has under its own keys in the name of player 0.
+    // Player 2 sends its packet, with its own keys, in the name of player 0.
     players.send(2, 1, 40);
     const auto own = players[2].next_outgoing();
     REQUIRE(own);

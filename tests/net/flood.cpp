@@ -1,5 +1,5 @@
-// What floods cost, as a figure for people: 100,000 datagrams of each kind, in what part of a core's second? Work is bounded by counts
-// in hostile.cpp; no time is asserted here.
+// The cost of floods, printed for readers: 100,000 datagrams of each kind, as a part of a core's second. hostile.cpp
+// bounds the work by counts; this file checks no time.
 #include "net/wire.h"
 
 #include <doctest/doctest.h>
@@ -11,12 +11,12 @@ using namespace lockstone::test;
 
 namespace {
 
-constexpr std::uint32_t flood_packets = 100'000; // of one second
+constexpr std::uint32_t flood_packets = 100'000; // in one second
 
 template <class Target>
 void measure(const std::string& what, Target& target, const Packet& packet, bool many_sources) {
     const std::uint64_t opened = target.stats().opened, answered = target.stats().answered;
-    static std::uint64_t second_ms = start_ms + 10'000; // buckets are full again at each
+    static std::uint64_t second_ms = start_ms + 10'000; // the buckets are full again at each second
     second_ms += 5000;
     const auto begun = std::chrono::steady_clock::now();
     for (std::uint32_t i = 0; i < flood_packets; ++i) {

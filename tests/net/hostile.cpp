@@ -1,4 +1,5 @@
-// What strangers send changes nothing, is counted by its kind, and costs little. tests/net/planted/run makes each fail on purpose.
+// Datagrams of strangers change nothing, are counted by their kind, and cost little. tests/net/planted/run makes each
+// test fail on purpose.
 #include "net/wire.h"
 
 #include <doctest/doctest.h>
@@ -8,7 +9,7 @@ using namespace lockstone::test;
 
 namespace {
 
-/// Player 1 of two who are connected; player 0 is at `home`.
+/// Player 1 of two connected players is attacked; player 0 is at `home`.
 struct Attacked {
     Players players{2};
     NetAddress home = address(10), elsewhere = address(66, 4444);
@@ -21,21 +22,21 @@ struct Attacked {
         handshake = players.wire.sent;
         players.taken(0), players.taken(1);
     }
-    /// A packet of player 0 that has not arrived anywhere.
+    /// A new packet of player 0 that has not arrived anywhere.
     Packet fresh(std::size_t size = 40) {
         players.send(0, 1, size);
         const auto out = players[0].next_outgoing();
         REQUIRE(out);
         return packet_of(out->bytes);
     }
-    /// The first of a kind that was sent while connecting.
+    /// The first datagram of a kind that was sent during the handshake.
     Packet of_kind(int kind) const {
         for (const OnTheWay& d : handshake)
             if (std::to_integer<std::uint8_t>(d.bytes[0]) >> 4 == kind) return d.bytes;
         FAIL("nothing of this kind was sent");
         return {};
     }
-    /// Whether player `at` counts it as this fault, and nothing else has changed.
+    /// Checks that player `at` counts the packet as this fault, and that nothing else has changed.
     void refuses(PeerId at, const NetAddress& from, const Packet& packet, NetFault fault) {
         const NetStats before = players[at].stats();
         players[at].receive(from, packet, players.wire.now_ms);
@@ -49,7 +50,7 @@ struct Attacked {
         CHECK(players[at].address_of(1 - at) == address(static_cast<std::uint8_t>(11 - at)));
         CHECK(players.taken(at).empty());
     }
-    /// They still talk.
+    /// Checks that both still exchange packets.
     void still_works() {
         players.send(0, 1), players.send(1, 0);
         players.wire.run(100);
@@ -275,7 +276,7 @@ TEST_CASE("net: a player's address changes when a challenge is answered from the
 TEST_CASE("net: who sends a player's fresh packet from elsewhere draws one challenge and no packet more") {
     Attacked a;
     for (int i = 0; i < 50; ++i) {
-        const Packet stolen = a.fresh(); // on its way to player 1, who gets it from elsewhere
+        const Packet stolen = a.fresh(); // under way to player 1, which gets it from elsewhere
         a.players[1].receive(a.elsewhere, stolen, a.players.wire.now_ms);
         a.players.send(1, 0);
         int to_elsewhere = 0;

@@ -1,5 +1,5 @@
-// Real sockets on 127.0.0.1: whole matches of rollback-arena, encrypted, directly and through a relay. Time is counted in frames, so
-// twenty seconds of a match take a few.
+// Real sockets on 127.0.0.1: whole matches of rollback-arena, encrypted, directly and through a relay. The tests count
+// time in frames, so twenty seconds of a match take a few.
 #include "net/net_player.h"
 #include "net/wire.h"
 
@@ -29,7 +29,7 @@ struct SocketRelay {
     }
 };
 
-/// Ports that are free now; the sockets that had them are closed when they are asked for again.
+/// Ports that are free now. The sockets that had them are closed when the function returns.
 std::vector<NetAddress> free_addresses(std::uint32_t count) {
     std::vector<UdpSocket> sockets;
     std::vector<NetAddress> found;
@@ -44,12 +44,12 @@ struct Outcome {
     std::vector<std::vector<std::uint64_t>> hashes;
     std::vector<NetStats> wire;
     std::uint64_t rollbacks = 0;
-    std::uint64_t leader_first = 0; ///< tick that machine 0 has confirmed first since it came back
+    std::uint64_t leader_first = 0; ///< the first tick that machine 0 confirmed since it came back
     bool good = true;
 };
 
-/// `relays`: those that the plan names; the first is lost at a frame. So may machine 0 be, which opened the match; it may come back without
-/// anything but its token.
+/// `relays`: the relays of the plan; the first one is lost at frame `lost_at`. Machine 0, which opened the match, may
+/// be lost too. It may come back with its token and no other data.
 Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint64_t lost_at = never,
              std::uint64_t leader_lost_at = never, std::uint64_t leader_back_at = never) {
     const auto players = static_cast<std::uint32_t>(plan.addresses.size());
@@ -80,7 +80,7 @@ Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint6
         }
         for (PeerId slot = 0; slot < players; ++slot) {
             if (slot == 0 && frame >= leader_lost_at && frame < leader_back_at) continue;
-            // What has arrived is looked at once in six frames, so that inputs come late and guesses are made.
+            // Each machine reads its packets in one of six frames, so inputs arrive late and are predicted.
             if (frame < 60 || (frame + slot) % 6 == 0) transports[slot]->poll(now_ms);
             poll_relays(frame, now_ms);
             machines[slot]->frame(now_ms, match_ticks);
@@ -148,18 +148,18 @@ TEST_CASE("net: a relay is lost in the middle of a match, and three machines go 
     SocketRelay first, second;
     MatchPlan plan = plan_through(first, second);
     const Outcome out = play(plan, {&first, &second}, 400);
-    CHECK(out.good); // nobody has left, nothing differs
+    CHECK(out.good); // no machine has left, no hash differs
     for (PeerId slot = 0; slot < 3; ++slot) {
         REQUIRE(out.hashes[slot].size() == match_ticks);
         CHECK(out.hashes[slot] == out.hashes[0]);
     }
     CHECK(second.relay.counters().forwarded > match_ticks / 2);
 
-    plan.second_relay = {}; // the planted twin: without one the match ends there
+    plan.second_relay = {}; // planted fault: without a second relay the match ends there
     plan.addresses = free_addresses(3);
     const Outcome lost = play(plan, {&first, &second}, 400);
     CHECK_FALSE(lost.good);
-    CHECK(lost.hashes[0] != lost.hashes[1]); // each has gone on alone
+    CHECK(lost.hashes[0] != lost.hashes[1]); // each continued alone
 }
 
 TEST_CASE(
@@ -189,7 +189,7 @@ TEST_CASE("net: the machine that opened the match is lost with the relay that it
     REQUIRE(out.leader_first + out.hashes[0].size() == match_ticks);
     CHECK(std::ranges::equal(out.hashes[0], std::span(out.hashes[1]).subspan(out.leader_first)));
 
-    plan.second_relay = {}; // the planted twin: without one nobody meets anybody any more
+    plan.second_relay = {}; // planted fault: without a second relay the machines never connect again
     plan.addresses = free_addresses(3);
     const Outcome lost = play(plan, {&first, &second}, 400, 400, 1000);
     CHECK(lost.hashes[1] != lost.hashes[2]);
@@ -197,7 +197,7 @@ TEST_CASE("net: the machine that opened the match is lost with the relay that it
 }
 
 TEST_CASE("net: the comparison of hashes can fail: those of another game are others") {
-    // The planted twin of the two above: the comparison is able to fail.
+    // The negative control of the two tests above: the comparison can fail.
     const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 2}).value();
     const auto other = make_scene("rollback-arena", {.size = 0, .seed = 2, .players = 2}).value();
     SimulatedNetwork network(2, {}, 1);

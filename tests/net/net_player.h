@@ -1,4 +1,4 @@
-// One machine of a match over real sockets: a scene, its world, a session, what it has confirmed.
+// One machine of a match over real sockets: a scene, its world, a session, and its confirmed hashes.
 #pragma once
 
 #include "lockstone/net.h"
@@ -10,7 +10,7 @@ namespace lockstone::test {
 
 class NetPlayer final : public ConfirmedSink {
   public:
-    /// `shown_to`: where its match is watched from; null: nowhere. `life`: how often it has come back without any state.
+    /// `shown_to`: the transport of its spectators; null: none. `life`: how often it has come back without any state.
     NetPlayer(const Game& rules, PeerId self, std::uint32_t players, Transport& transport,
               Transport* shown_to = nullptr, std::uint32_t life = 0)
         : game(rules), slot(self), world(rules.start().value()), simulation(world, rules) {
@@ -29,7 +29,7 @@ class NetPlayer final : public ConfirmedSink {
     NetPlayer(const NetPlayer&) = delete;
     NetPlayer& operator=(const NetPlayer&) = delete;
 
-    /// One frame at 60 Hz; ticks beyond `ticks_max` are not begun, but what is there is settled.
+    /// One frame at 60 Hz. It begins no ticks beyond `ticks_max`, but settles those that have begun.
     void frame(std::uint64_t now_ms, std::uint64_t ticks_max) {
         if (session->current_tick() >= ticks_max) {
             runner->drain(now_ms);
@@ -50,7 +50,7 @@ class NetPlayer final : public ConfirmedSink {
         }
     }
     std::vector<std::uint64_t> hashes; ///< of confirmed ticks
-    std::uint64_t first = 0;           ///< of them
+    std::uint64_t first = 0;           ///< the first of these ticks
     std::uint64_t end() const { return first + hashes.size(); }
     bool desynced = false, lost = false;
     const SessionStats& stats() const { return session->stats(); }

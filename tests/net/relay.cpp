@@ -1,4 +1,5 @@
-// The relay forwards what it cannot read between players who do not learn each other's addresses; the lobby starts matches by a code.
+// The relay forwards encrypted packets between players, which do not learn each other's addresses. The lobby starts
+// matches by a code.
 #include "net/wire.h"
 
 #include <doctest/doctest.h>
@@ -61,15 +62,14 @@ TEST_CASE("net: what a relay changes is refused, and it cannot say who sent it")
     Packet packet;
     while (const auto out = players[0].next_outgoing()) packet = packet_of(out->bytes);
     Packet renamed = packet;
-    renamed[0] = std::byte{0x82},
-    renamed[2] = std::byte{1}; // as if from player 2, with a number not seen before
+    renamed[0] = std::byte{0x82}, renamed[2] = std::byte{1}; // as if from player 2, with a new number
     players[1].receive(relay_at, renamed, players.wire.now_ms);
     packet[0] = std::byte{0x80}, packet[12] ^= std::byte{1};
     players[1].receive(relay_at, packet, players.wire.now_ms);
     CHECK(refused(players[1], NetFault::unauthenticated) == 2);
     CHECK(players.taken(1).empty());
     packet[12] ^= std::byte{1};
-    players[1].receive(address(10), packet, players.wire.now_ms); // past the relay
+    players[1].receive(address(10), packet, players.wire.now_ms); // not through the relay
     CHECK(refused(players[1], NetFault::stranger) == 1);
     players[1].receive(relay_at, packet, players.wire.now_ms);
     CHECK(players.taken(1).size() == 1);
@@ -84,7 +84,7 @@ TEST_CASE("net: a relay forwards only for whoever it has let in, within the matc
     CHECK(players.refused_there(NetFault::stranger) == 1);
     packet[0] = std::byte{0x80}; // to itself
     players.relay.receive(address(10), packet, players.wire.now_ms);
-    packet[0] = std::byte{0x85}; // to nobody
+    packet[0] = std::byte{0x85}; // to no player
     players.relay.receive(address(10), packet, players.wire.now_ms);
     CHECK(players.refused_there(NetFault::malformed) == 2);
     CHECK(players.relay.counters().forwarded == before);
@@ -111,7 +111,8 @@ TEST_CASE("net: a pass lets in from the address that was proven, with the player
     Packet changed = request;
     changed[60] ^= std::byte{1}; // in the pass
     refuses(address(10), changed, NetFault::unauthenticated);
-    changed = request, changed.back() ^= std::byte{1}; // in the authenticator: who has only seen the pass
+    // in the authenticator, which a thief of the pass cannot compute
+    changed = request, changed.back() ^= std::byte{1};
     refuses(address(10), changed, NetFault::unauthenticated);
     changed = request, changed[1] = std::byte{9};
     refuses(address(10), changed, NetFault::version);
@@ -119,7 +120,7 @@ TEST_CASE("net: a pass lets in from the address that was proven, with the player
     refuses(address(10), changed, NetFault::truncated);
 
     MatchPlan old = relayed(2);
-    old.relay_expires_ms = start_ms; // the token is good, the pass is not
+    old.relay_expires_ms = start_ms; // the token is valid, the pass is not
     const ConnectToken token = make_tokens(old).value()[0];
     Endpoint late = Endpoint::create(token, {}, players.wire.now_ms).value();
     players.wire.attach(address(30), late);
@@ -265,10 +266,10 @@ TEST_CASE(
         REQUIRE(begin(1));
         lobby.wire.run(2000);
         CHECK(players[1]->is_connected(0));
-        lobby.wire.detach(address(50)); // who opened the room
+        lobby.wire.detach(address(50)); // the machine that opened the room
         for (std::uint64_t second = 0; second < 60 * minutes; ++second) lobby.wire.advance(1000);
         const bool is_in_time = minutes < 20;
-        CHECK(begin(0) == is_in_time); // as a new process does, which has kept its token
+        CHECK(begin(0) == is_in_time); // as a new process with the kept token does
         if (!is_in_time) continue;
         lobby.wire.run(3000);
         CHECK(players[0]->is_connected(1));
@@ -296,7 +297,7 @@ TEST_CASE("net: one address opens so many rooms, from whatever ports, and others
     const auto from_one = [&](std::uint32_t port, std::string_view code) -> LobbyClient& {
         const NetAddress from = address(99, static_cast<std::uint16_t>(port));
         LobbyClient& client = lobby.ask_from(from, code, 2);
-        lobby.wire.detach(from); // requests of one address have a rate
+        lobby.wire.detach(from); // requests of one address have a rate limit
         return client;
     };
     lobby.relay = Relay(relay_secret, {.room_idle_ms = RelayDef{}.room_ms}, start_ms);

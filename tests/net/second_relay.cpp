@@ -1,4 +1,4 @@
-// Two relays: the match goes on through the second when the first is lost, for all or for one of the players.
+// Two relays: the match continues through the second one when the first is lost, for all players or for one.
 #include "net/wire.h"
 
 #include <doctest/doctest.h>
@@ -11,7 +11,7 @@ namespace {
 const NetAddress first_at = address(1, 9999), second_at = address(2, 9999);
 const NetKey first_secret = random_key(), second_secret = random_key();
 
-/// What a match may be silent for: the patience of a session, less what it waits for in the end.
+/// The longest allowed silence of a match: a session's timeout, less its last wait.
 constexpr std::uint64_t patience_ms = 2500;
 
 MatchPlan twice_relayed(std::uint32_t players) {
@@ -28,7 +28,7 @@ struct TwoRelays : Players {
     explicit TwoRelays(const MatchPlan& plan) : Players(plan) {
         wire.attach(first_at, first), wire.attach(second_at, second);
     }
-    /// Each pair sends a packet every 15 ms for so long; the longest silence that one of them has heard of another [ms].
+    /// Each pair sends a packet every 15 ms for so long. Returns the longest silence of one player at another [ms].
     std::uint64_t longest_silence(std::uint64_t ms) {
         const auto count = static_cast<PeerId>(endpoints.size());
         std::map<std::pair<PeerId, PeerId>, std::uint64_t> heard;
@@ -73,7 +73,7 @@ TEST_CASE("net: when the relay is lost all meet at the second one, within a sess
 }
 
 TEST_CASE("net: without a second relay a lost one is the end of it") {
-    // The planted twin of the test above.
+    // The planted fault of the test above.
     MatchPlan plan = twice_relayed(3);
     plan.second_relay = {};
     TwoRelays match(plan);
@@ -92,7 +92,7 @@ TEST_CASE("net: a single player who loses the way to the relay meets the others 
     };
     CHECK(match.longest_silence(10'000) <= patience_ms);
     CHECK(match.longest_silence(10'000) <= 100);
-    CHECK(match[0].address_of(2) == first_at); // these two have missed nothing
+    CHECK(match[0].address_of(2) == first_at); // these two have lost nothing
     CHECK(match[0].address_of(1) == second_at);
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("net: a match begins at the second relay where the first never was, an
     CHECK(match.longest_silence(3000) <= 100);
     match.wire.attach(first_at, match.first);
     match.wire.detach(second_at);
-    CHECK(match.longest_silence(10'000) <= patience_ms + 1000); // nobody has a seat at the first one yet
+    CHECK(match.longest_silence(10'000) <= patience_ms + 1000); // no player has a seat at the first relay yet
     CHECK(match[0].address_of(1) == first_at);
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("net: a lobby names the second relay, with passes that are good there"
     Endpoint a = Endpoint::create(*host.token(), {}, wire.now_ms).value(),
              b = Endpoint::create(*guest.token(), {}, wire.now_ms).value();
     wire.attach(address(50), a), wire.attach(address(51), b);
-    wire.detach(first_at); // before anybody was there
+    wire.detach(first_at); // before any player was there
     wire.run(6000);
     CHECK(a.is_connected(1));
     CHECK(b.is_connected(0));

@@ -1,4 +1,4 @@
-// Tokens and passes: what was sealed opens, and what was not is refused with its reason.
+// Tokens and passes: sealed ones open, and others are refused with a reason.
 #include "net/wire.h"
 
 #include <doctest/doctest.h>
@@ -66,7 +66,7 @@ TEST_CASE("net: a token names two relays with a key and a pass for each, and the
     CHECK(make_tokens(timeless).error().message == "relay_expires_ms is 0: the relay would let nobody in");
     const ConnectToken token = make_tokens(plan).value()[3];
     const Packet sealed = seal_token(token, key);
-    CHECK(sealed.size() <= 1138); // what a lobby's answer has room for
+    CHECK(sealed.size() <= 1138); // the space in a lobby's answer
     const ConnectToken opened = open_token(sealed, key, start_ms).value();
     CHECK(opened.relay == plan.relay);
     CHECK(opened.pass == token.pass);
@@ -120,7 +120,7 @@ TEST_CASE("net: plans that make no match are refused") {
     plan.addresses[1].port = 0;
     CHECK_FALSE(make_tokens(plan));
     plan.relay = address(1), plan.relay_expires_ms = start_ms + 60'000;
-    CHECK(make_tokens(plan).value()[0].addresses[0].port == 0); // nobody learns another's address
+    CHECK(make_tokens(plan).value()[0].addresses[0].port == 0); // no player learns another one's address
     plan.second_relay = plan.relay;
     CHECK_FALSE(make_tokens(plan));
     plan.relay = {}, plan.addresses[1] = address(11);

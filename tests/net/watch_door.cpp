@@ -1,4 +1,4 @@
-// A door lets in whoever has a token, keeps all others out unanswered, and gives free places to the next.
+// A door admits every machine with a token, does not answer any other, and gives free places to the next machine.
 #include "net/wire.h"
 
 #include <doctest/doctest.h>
@@ -105,7 +105,7 @@ TEST_CASE("net: a door has so many places, and one that is silent for long is fr
     net.wire.run(1000);
     CHECK(third.is_connected(0));
     CHECK(net.watchers[0]->is_connected(0));
-    net.watchers[1]->send(0, Packet(30), net.wire.now_ms); // its token is worth nothing any more
+    net.watchers[1]->send(0, Packet(30), net.wire.now_ms); // its token is no longer valid
     net.wire.run(200);
     CHECK(net.taken().empty());
 }

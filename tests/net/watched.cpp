@@ -1,5 +1,5 @@
-// Fifty machines watch over sockets of 127.0.0.1, each with keys of its own, through one relay: the player sends the match once. They come
-// by tokens, or all by one code.
+// Fifty machines watch over sockets of 127.0.0.1, each with keys of its own, through one relay: the player sends the
+// match once. They come with tokens, or all with one code.
 #include "lockstone/session/spectator_relay.h"
 #include "net/net_player.h"
 #include "net/wire.h"
@@ -13,8 +13,9 @@ using namespace lockstone::test;
 
 namespace {
 
-constexpr std::uint64_t match_ticks = 600;         // ten seconds at 60 Hz
-constexpr std::uint64_t bytes_bound_percent = 105; // what a player sends for fifty, to what it sends for one
+constexpr std::uint64_t match_ticks = 600; // ten seconds at 60 Hz
+// a player's bytes for fifty spectators, relative to those for one
+constexpr std::uint64_t bytes_bound_percent = 105;
 const NetAddress any_port = parse_address("127.0.0.1:0").value();
 
 struct NetWatcher final : ConfirmedSink {
@@ -48,10 +49,11 @@ struct NetWatcher final : ConfirmedSink {
     std::uint64_t end() const { return first + hashes.size(); }
 };
 
-/// Two play and so many watch. What the player's machine has sent to the relay [bytes above UDP]; 0: somebody saw another match.
+/// Two machines play and `count` watch. Returns the bytes that the player's machine sent to the relay [bytes above
+/// UDP].
 std::uint64_t bytes_sent_with(std::uint32_t count) {
     const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 2}).value();
-    SimulatedNetwork network(2, {.latency_ms = 30}, 1); // between the two who play
+    SimulatedNetwork network(2, {.latency_ms = 30}, 1); // between the two players
     MatchPlan plan = plan_of(2);                        // of a player's machine and the relay
     plan.expires_ms = start_ms + 3'600'000;
     std::vector<UdpSocket> free;
@@ -74,7 +76,7 @@ std::uint64_t bytes_sent_with(std::uint32_t count) {
         network.advance_to(frame * 1000 / 60);
         shown.poll(now_ms), seen.poll(now_ms);
         for (NetPlayer* player : {&a, &b}) player->frame(now_ms, match_ticks);
-        // They come in the first half of the match, one after the other, every second one from a state.
+        // They come one at a time in the first half of the match, every second one from a state.
         while (watchers.size() < count && watchers.size() * match_ticks / 2 <= frame * count)
             watchers.push_back(std::make_unique<NetWatcher>(*game, door.door().let_in(now_ms).value(),
                                                             watchers.size() % 2 == 1, now_ms));
@@ -107,13 +109,13 @@ TEST_CASE("net: fifty watch over 127.0.0.1 through a relay, all see every tick, 
 
 namespace {
 
-/// A machine that asks the lobby of a door by a code, then watches.
+/// A machine that sends a code to the lobby of a door, then watches.
 struct Guest {
     UdpSocket socket = UdpSocket::open(any_port).value();
     LobbyClient lobby;
     std::optional<UdpTransport> transport;
 
-    bool doubles = true; ///< all that it sends to the lobby arrives twice: it is one place
+    bool doubles = true; ///< each packet to the lobby is sent twice: the machine still gets one place
 
     Guest(const NetAddress& at, const NetKey& key, const std::string& code, bool doubled = true)
         : lobby(at, key, code, 2), doubles(doubled) {}
@@ -140,7 +142,7 @@ TEST_CASE(
         UdpWatchDoor::open({.expires_ms = start_ms + 3'600'000, .watchers_max = places}, any_port, start_ms)
             .value();
     const std::string code = opened.open_lobby(secret, start_ms);
-    UdpWatchDoor door = std::move(opened); // the lobby still knows where the door is
+    UdpWatchDoor door = std::move(opened); // the lobby still knows the door's address
     const NetAddress at = door.socket().local_address();
     std::vector<std::unique_ptr<Guest>> guests;
     const auto run = [&](std::uint64_t from_ms) {
@@ -158,7 +160,7 @@ TEST_CASE(
     run(start_ms);
     CHECK(guests[0]->lobby.refusal() == "the lobby knows no such code, or it has expired");
     CHECK(guests[1]->lobby.refusal() == "the lobby has no room for another match");
-    CHECK_FALSE(guests[2]->lobby.token()); // another key: nothing is answered
+    CHECK_FALSE(guests[2]->lobby.token()); // wrong key: no answer
     CHECK(door.door().counters().let_in == 0);
     for (std::uint32_t i = 0; i < places; ++i) come(code, key);
     run(start_ms + 5000);
@@ -184,7 +186,7 @@ TEST_CASE(
 
 TEST_CASE("net: three hundred behind one address come by one code before any of them loses its patience") {
     constexpr std::uint32_t count = 300;
-    constexpr std::uint64_t patience_ms = 5000; // of the demo with a relay that does not answer
+    constexpr std::uint64_t patience_ms = 5000; // the demo's timeout for a relay that does not answer
     const NetKey secret = random_key();
     UdpWatchDoor door = UdpWatchDoor::open({.expires_ms = start_ms + 3'600'000}, any_port, start_ms).value();
     const std::string code = door.open_lobby(secret, start_ms);

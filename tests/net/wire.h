@@ -1,4 +1,5 @@
-// A network of addresses in memory, and players on it: what endpoints send arrives later, or is changed, lost or kept.
+// A network of addresses in memory, and its players. The wire delivers datagrams late, and may change, lose or keep
+// them.
 #pragma once
 
 #include "lockstone/math/random.h"
@@ -23,19 +24,19 @@ inline Packet packet_of(std::span<const std::byte> bytes) { return {bytes.begin(
 
 inline constexpr std::uint64_t start_ms = 1'800'000'000'000;
 
-/// One way of a datagram.
+/// One datagram under way.
 struct OnTheWay {
     NetAddress from, to;
     Packet bytes;
     std::uint64_t due_ms;
 };
 
-/// Where machines stand; whatever can take datagrams and give them.
+/// The addresses of machines, and the network between them. A node is any type that receives and returns datagrams.
 class Wire {
   public:
     std::uint64_t now_ms = start_ms;
     std::uint32_t latency_ms = 20, jitter_ms = 0, loss_permille = 0, duplicate_permille = 0;
-    std::vector<OnTheWay> sent; ///< all of it, when kept
+    std::vector<OnTheWay> sent; ///< all datagrams, if `keeps` is set
     bool keeps = false;
 
     template <class Node> void attach(const NetAddress& at, Node& node) {
@@ -47,15 +48,15 @@ class Wire {
         nodes[to] = nodes.at(from);
         nodes.erase(from);
     }
-    /// A machine is gone: what is sent to it is lost, and it sends nothing.
+    /// A machine is gone: datagrams to it are lost, and it sends none.
     void detach(const NetAddress& at) { nodes.erase(at); }
-    /// What is lost of all that is sent; null: nothing by rule.
+    /// Returns whether a datagram is lost; null: no loss by rule.
     std::function<bool(const OnTheWay&)> is_cut = nullptr;
     void put(OnTheWay datagram) {
         datagram.due_ms = now_ms + latency_ms + (jitter_ms == 0 ? 0 : random.below(jitter_ms));
         way.push_back(std::move(datagram));
     }
-    /// One millisecond times `by`: everybody polls, what is due arrives.
+    /// Advances by `by` milliseconds: all nodes poll, and due datagrams arrive.
     void advance(std::uint64_t by = 5) {
         now_ms += by;
         for (auto& [at, node] : nodes) node.poll(), collect(at, node);
@@ -127,7 +128,7 @@ struct Players {
                 if (a != b && !endpoints[a]->is_connected(b)) return false;
         return true;
     }
-    /// Until everybody is connected, at most so long.
+    /// Runs until all are connected, at most so long.
     bool connect(std::uint64_t ms = 3000) {
         for (const std::uint64_t end = wire.now_ms + ms; wire.now_ms < end && !all_connected();)
             wire.advance();
@@ -136,7 +137,7 @@ struct Players {
     void send(PeerId from, PeerId to, std::size_t size = 40, std::byte fill = std::byte{7}) {
         endpoints[from]->send(to, Packet(size, fill), wire.now_ms);
     }
-    /// What a player has got and not taken.
+    /// The packets that a player has received since the last call.
     std::vector<std::pair<PeerId, Packet>> taken(PeerId at) {
         std::vector<std::pair<PeerId, Packet>> all;
         while (const auto packet = endpoints[at]->next_packet())

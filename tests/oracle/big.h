@@ -1,4 +1,4 @@
-// Real numbers of 200 bits as values, by MPFR: what exact integer formulas are judged by.
+// Real numbers of 200 bits as values, by MPFR: the reference for exact integer formulas.
 #pragma once
 
 #include "lockstone/math/fixed.h"

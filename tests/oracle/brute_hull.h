@@ -1,4 +1,4 @@
-// A hull by trying all triples of points, on small integers: a reference that shares nothing with the baker.
+// A hull found by trying all triples of points, on small integers: a reference that shares no code with the baker.
 #pragma once
 
 #include "oracle/convex_double.h"
@@ -13,7 +13,7 @@ namespace oracle {
 using Grid =
     std::array<std::int64_t, 3>; ///< coordinates below 2^18 in absolute value: all products are exact
 
-/// Every triple of points that has nothing outside.
+/// Every triple of points whose plane has all points on one side.
 inline std::vector<std::array<std::size_t, 3>> outer_triangles(const std::vector<Grid>& points) {
     const auto minus = [](const Grid& a, const Grid& b) {
         return Grid{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -40,8 +40,8 @@ inline std::vector<std::array<std::size_t, 3>> outer_triangles(const std::vector
     return triangles;
 }
 
-/// The corners, triangles (every one that has nothing outside), neighbours and extent of the hull of `points`, whose
-/// unit is 2^shift Length steps. Null when they lie in one plane or more than 255 are corners.
+/// The corners, outer triangles (all of them), neighbours and extent of the hull of `points`, whose unit is 2^shift
+/// Length steps. Null when the points lie in one plane or more than 255 are corners.
 inline std::shared_ptr<lockstone::shapes::Hull> brute_hull(const std::vector<Grid>& points, int shift) {
     using lockstone::Length;
     const std::vector<std::array<std::size_t, 3>> triangles = outer_triangles(points);
@@ -70,7 +70,7 @@ inline std::shared_ptr<lockstone::shapes::Hull> brute_hull(const std::vector<Gri
         hull->triangles.push_back(named);
         for (std::size_t k = 0; k < 3; ++k) beside[named[k]].insert({named[(k + 1) % 3], named[(k + 2) % 3]});
     }
-    for (const auto& t : hull->triangles) { // every triangle a face
+    for (const auto& t : hull->triangles) { // each triangle is a face
         const D3 p = as_double(hull->vertices[t[0]]);
         D3 n = cross(as_double(hull->vertices[t[1]]) - p, as_double(hull->vertices[t[2]]) - p);
         n = n * (1 / norm(n));

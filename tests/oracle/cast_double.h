@@ -1,5 +1,5 @@
-// Convex solids in double precision for the tests of casts, written from the definitions: distance of a point to a core,
-// support, and where a ray enters, found by ternary search and bisection.
+// Convex solids in double precision for the tests of casts, from the definitions: distance of a point to a core,
+// support, and the point where a ray enters, found by ternary search and bisection.
 #pragma once
 
 #include "collide/query/cast.h"
@@ -17,7 +17,7 @@ namespace cast_oracle {
 
 using namespace lockstone;
 
-// Not those of convert.h: other references in this family have functions of those names.
+// Own names: other references of this family have functions with the names of convert.h.
 template <FixedPoint T> double value(T x) {
     return static_cast<double>(x.raw) / static_cast<double>(std::int64_t{1} << T::fraction_bits);
 }
@@ -34,7 +34,7 @@ inline CoordinateVec3 coordinates(V v) {
     return {fixed<Coordinate>(v.x), fixed<Coordinate>(v.y), fixed<Coordinate>(v.z)};
 }
 
-/// Sizes at scale.
+/// Sizes with the scale applied.
 struct Body {
     ShapeKind kind;
     double radius;
@@ -45,13 +45,13 @@ inline Body body_of(const Geometry& g) {
     return {g.kind, value(g.radius) * s, of(g.half_extent) * s};
 }
 
-/// Distance in a half plane (rho >= 0) to the segment from a to b.
+/// Distance of a point in a half plane (rho >= 0) to the segment from a to b.
 inline double to_segment(double px, double py, double ax, double ay, double bx, double by) {
     const double dx = bx - ax, dy = by - ay, n = dx * dx + dy * dy;
     const double t = n == 0 ? 0 : std::clamp(((px - ax) * dx + (py - ay) * dy) / n, 0.0, 1.0);
     return std::hypot(px - ax - t * dx, py - ay - t * dy);
 }
-/// 0 inside.
+/// Distance of a point to the core; 0 inside.
 inline double core_distance(const Body& s, V p) {
     const double rho = std::hypot(p.x, p.z);
     switch (s.kind) {
@@ -91,8 +91,8 @@ inline double support(const Body& s, V n) {
 }
 inline double reach(const Body& s) { return s.radius + norm(s.half); }
 
-/// Along a unit direction, for a function that is convex along it and not above 0 inside: the place of its least value in
-/// 0..length, and where it first is not above 0.
+/// A search along a unit direction, for a function that is convex along it and at most 0 inside: the place of its least
+/// value in 0..length, and the first place where it is at most 0.
 struct Entry {
     double lowest, least;
     std::optional<double> at;
@@ -135,7 +135,7 @@ struct RandomCast {
         }
     }
     V in_box(double half) { return {(*this)(-half, half), (*this)(-half, half), (*this)(-half, half)}; }
-    /// Of a logarithmic scale.
+    /// A size, uniform on a logarithmic scale.
     double size(double low, double high) { return std::exp((*this)(std::log(low), std::log(high))); }
     Quat rotation() {
         const V a = direction();
@@ -145,7 +145,7 @@ struct RandomCast {
 };
 inline Real real(double x) { return fixed<Real>(x); }
 
-/// A primitive of one of the five kinds; sometimes rounded, sometimes with one thin side.
+/// A primitive of one of the five kinds, sometimes rounded, sometimes with one thin side.
 inline Geometry random_primitive(RandomCast& random, ShapeKind kind, double low, double high, bool round) {
     const auto size = [&] { return real(random.size(low, high)); };
     Geometry g{};
@@ -166,7 +166,7 @@ inline Geometry random_primitive(RandomCast& random, ShapeKind kind, double low,
     return round ? rounded(g, size()) : g;
 }
 
-/// Solids by geometry; hulls, compounds and the rest come from the library.
+/// Solids by geometry. Hulls, compounds and ground come from the library.
 struct Solids {
     std::shared_ptr<AssetLibrary> library = std::make_shared<AssetLibrary>();
     std::optional<shapes::SolidCache> cache;

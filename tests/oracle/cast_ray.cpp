@@ -1,4 +1,4 @@
-// Rays against every kind of solid, in double precision from the definitions.
+// Rays against every kind of solid, judged in double precision from the definitions.
 #include "oracle/cast_double.h"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ constexpr int quick = 3000, thorough = 100000;
 struct Shot {
     V from, way;
 };
-/// Towards the solid or past it, from near, far, and inside.
+/// Shots at the solid or past it, from near, far, and inside.
 Shot random_shot(RandomCast& random, const Body& s) {
     const double size = reach(s);
     const V target{random(-1.2, 1.2) * (s.half.x + s.radius), random(-1.2, 1.2) * (s.half.y + s.radius),
@@ -35,14 +35,14 @@ Shot random_shot(RandomCast& random, const Body& s) {
     return {target - d * back, way};
 }
 
-/// Empty when the answer is right, else what is wrong. `grazing` cases, whose answer a rounding decides, pass.
+/// Returns an error sentence or an empty string. Grazing cases, which rounding decides, pass.
 std::string complaint(const Body& s, V from, V way, bool found, const CastHit& hit, double tolerance) {
     const double length = norm(way);
     const V d = unit(way);
     const double middle = -dot(from, d), r = reach(s) * 1.001 + 1e-3;
     const double begin = std::clamp(middle - r, 0.0, length), end = std::clamp(middle + r, 0.0, length);
     const Entry truth = entry_of([&](double t) { return outside(s, from + d * t); }, begin, end);
-    // What lies within the tolerance of just touching may be said either way.
+    // Within the tolerance of just touching, both answers are right.
     if (!found)
         return truth.at && outside(s, from + d * truth.lowest) + s.radius * 0 <= 0 &&
                        [&] {

@@ -1,5 +1,5 @@
-// Moving convex shapes and distances, proved in double precision: a hit by a plane that parts the two shapes there and by
-// a point in both, a miss by a plane that parts them all the way.
+// Moving convex shapes and distances, proved in double precision: a plane that separates the two shapes and a point in
+// both prove a hit; a plane that separates them all the way proves a miss.
 #include "oracle/cast_double.h"
 #include "oracle/convex_double.h"
 
@@ -25,23 +25,23 @@ struct Pair {
 
 oracle::DoubleCore core(const shapes::Solid& s, const Rotation& r, V p) { return {s, {r, coordinates(p)}}; }
 
-/// How far the shapes are parted along a direction from A to B, B moved by `by`.
+/// The separation of the shapes along a direction from A to B, after B moved by `by`.
 double parted(const oracle::DoubleCore& a, const oracle::DoubleCore& b, V n, V by = {0, 0, 0}) {
     return oracle::separation_along(a, b, d3(n)) + dot(n, by) - (a.radius + b.radius) * norm(n);
 }
 
-/// Of a smooth core the nearest points, not the distance, are a little off sideways.
+/// The nearest points of a smooth core, though not the distance, are a little off sideways.
 double point_tolerance(const oracle::DoubleCore& a, const oracle::DoubleCore& b, double distance) {
     return a.is_smooth() || b.is_smooth() ? 5e-5 + 5e-5 * distance : 0;
 }
 
-/// Directions that part the shapes somewhere on the way. How far they part them is linear along it, so together they
-/// prove how far the shapes are apart all along: at the ends and where two of the lines cross.
+/// Directions that separate the shapes somewhere on the way. Each separation is linear along the way, so together they
+/// bound the distance from below everywhere: at the ends and where two of the lines cross.
 struct Planes {
     std::vector<V> normals;
 
     double least(const oracle::DoubleCore& a, const oracle::DoubleCore& b, V way) const {
-        std::vector<std::pair<double, double>> lines; // at the begin, and the change to the end
+        std::vector<std::pair<double, double>> lines; // at the start, and the change to the end
         for (const V& n : normals)
             if (norm(n) > 0.5) lines.push_back({parted(a, b, n), dot(n, way)});
         const auto most = [&](double t) {
@@ -197,9 +197,9 @@ TEST_CASE("the nearest points of two convex shapes are proved by a plane between
         ++apart;
         const double distance = value(n.distance), tolerance = 2e-6 + 1e-7 * norm(p);
         wrong += std::abs(norm(of(n.on_b) - of(n.on_a)) - distance) > tolerance;
-        wrong += parted(ca, cb, of(n.normal)) < distance - tolerance; // they are that far apart at least
+        wrong += parted(ca, cb, of(n.normal)) < distance - tolerance; // the distance is at least that
         const double near = tolerance + point_tolerance(ca, cb, distance);
-        wrong += ca.outside(d3(of(n.on_a))) > ca.radius + near; // and these points no further
+        wrong += ca.outside(d3(of(n.on_a))) > ca.radius + near; // and these points are within it
         wrong += cb.outside(d3(of(n.on_b))) > cb.radius + near;
         Nearest beyond{};
         wrong += collide::nearest_points(a, b, {r, coordinates(p)}, n.distance - fixed<Coordinate>(1e-4),

@@ -1,4 +1,5 @@
-// Rays and balls against hulls, compounds, meshes and height fields: every triangle is tried in double precision.
+// Rays and balls against hulls, compounds, meshes and height fields: the reference tests every triangle in double
+// precision.
 #include "oracle/cast_double.h"
 
 #include <doctest/doctest.h>
@@ -26,12 +27,12 @@ Soup soup_of(const shapes::Solid& s) {
     return soup;
 }
 
-/// Fraction of the way at which the front (or any side) of a triangle is met; `beside`: how far from its rim the line passes,
-/// positive inside.
+/// The fraction of the way at which a ray meets the front (or any side) of a triangle. `beside`: the distance of the
+/// line from the rim, positive inside.
 struct Meeting {
     double at, beside;
     bool is_front;
-    double slack; ///< of `at`: a line 1e-7 m beside this one meets a steep plane much earlier or later
+    double slack; ///< of `at`: a line 1e-7 m beside this one may meet a steep plane much earlier or later
 };
 std::optional<Meeting> meeting_of(const std::array<V, 3>& t, V from, V way) {
     const V n = cross(t[1] - t[0], t[2] - t[0]);
@@ -47,9 +48,9 @@ std::optional<Meeting> meeting_of(const std::array<V, 3>& t, V from, V way) {
     return Meeting{at, beside, slope < 0, 1e-7 * norm(n) / std::abs(slope)};
 }
 
-/// The first meeting surely inside a triangle, and the first that may be.
+/// The first meeting that is certainly inside a triangle, and the first that may be.
 struct Bracket {
-    double sure = 2, possible = 2; ///< with the slack added and taken off
+    double sure = 2, possible = 2; ///< plus the slack, minus the slack
 };
 Bracket bracket_of(const Soup& soup, V from, V way, bool two_sided, double tolerance) {
     Bracket b;
@@ -100,7 +101,7 @@ shapes::Solid height_field(Solids& solids, RandomCast& random, std::uint32_t sid
     return solids(instance(ShapeKind::height_field, id));
 }
 
-/// A bumpy grid, `gap`: how far one corner of one triangle is pulled away from its neighbours.
+/// A bumpy grid. `gap`: the distance by which one corner of one triangle is moved away from its neighbours.
 shapes::Solid grid(Solids& solids, RandomCast& random, std::uint32_t side, double spacing, bool two_sided,
                    double gap) {
     std::vector<Vec3> vertices;
@@ -155,7 +156,7 @@ std::string shoot(const shapes::Solid& s, RandomCast& random, int count, bool tw
 }
 constexpr auto undamaged = [](bool&, CastHit&) {};
 
-/// How many rays at corners and edge points inside the grid slip through.
+/// Counts the rays at corners and edge points inside the grid that pass through it.
 int slips(double gap, int count) {
     RandomCast random{std::mt19937_64(3)};
     Solids solids;
@@ -167,11 +168,11 @@ int slips(double gap, int count) {
     for (int i = 0; i < count; ++i) {
         const auto& t = soup.triangles[random.engine() % soup.triangles.size()];
         const std::size_t k = random.engine() % 3;
-        // Exactly on the edge: halves and quarters of its corners.
+        // Exactly on the edge: at quarters of its length.
         const double part = 0.25 * static_cast<double>(random.engine() % 4);
         const V p = t[k] * (1 - part) + t[(k + 1) % 3] * part;
         if (std::abs(p.x) > 6.9 || std::abs(p.z) > 6.9) continue;
-        // A grid with every corner once is crossed by every line that is steep enough, at any height.
+        // A closed grid stops every line that is steep enough, at any height.
         const V down = unit({random(-0.1, 0.1), -1, random(-0.1, 0.1)});
         const V half = of(coordinates(down * (i % 2 == 0 ? 3 : random.size(2.5, 5000))));
         CastHit hit{};
@@ -252,7 +253,7 @@ TEST_CASE("a ray meets a hull where its triangles are, and a compound where its 
             hits += found;
             wrong += !complaint(bracket_of(soup, from, way, false, 1e-5), way, found, hit).empty();
         }
-        // A compound of it and a box, each turned.
+        // A compound of the solid and a box, each rotated.
         const CompoundPart parts[] = {
             {s.geometry, {{1_r, 2_r, 3_r}, random.rotation()}},
             {box(0.5_r, 0.2_r, 0.7_r), {{-(1_r), 1_r, 3_r}, random.rotation()}},
@@ -305,11 +306,11 @@ TEST_CASE("a moving ball stops where a mesh or height field is one radius away")
             const bool found = collide::cast_shape(s, solids(sphere(real(radius))),
                                                    {Rotation::identity(), coordinates(from)},
                                                    coordinates(way), scratch, hit);
-            // Sampled: nowhere before the hit is it nearer than the radius.
+            // At samples before the hit the distance is never below the radius.
             const double end = found ? value(hit.distance) : norm(way);
             const V d = unit(way);
             const double r = value(fixed<Length>(radius));
-            // From beside the border a ball can come under the surface, whose back is not met.
+            // Beside the border a ball can get under the surface, whose back stops nothing.
             const V off = of(hit.point) - middle;
             if (found && std::max(std::abs(off.x), std::abs(off.z)) > 4.5) continue;
             if (found && hit.normal == UnitVec3{}) {

@@ -1,4 +1,4 @@
-// Times of impact against FCL and against sampling: turning shapes, conservative and not too early.
+// Times of impact of turning shapes against FCL and against sampling: never too late, and not too early.
 #include "oracle/cast_double.h"
 
 #include <doctest/doctest.h>
@@ -23,7 +23,7 @@ struct Case {
 
 Transform pose(V p, Quat q) { return {{real(p.x), real(p.y), real(p.z)}, q}; }
 
-/// Two shapes, one of them perhaps at rest, that come near each other while they turn by less than a half turn.
+/// Two shapes, sometimes one at rest, that approach each other while they turn by less than half a turn.
 Case random_case(RandomCast& random) {
     Case c;
     c.a = random_primitive(random, kinds[random.engine() % 5], 0.05, 1, random(0, 1) < 0.3);
@@ -60,7 +60,7 @@ struct Tally {
     int cases = 0, impacts = 0, late = 0, early = 0;
 };
 
-/// `shift`: added to every answer, to see that it is noticed.
+/// `shift`: a planted error, added to every answer.
 Tally check_many(int count, double shift) {
     RandomCast random{std::mt19937_64(12)};
     Solids solids;
@@ -76,7 +76,7 @@ Tally check_many(int count, double shift) {
         const double t = std::clamp(value(answer) + (answer < unit_one ? shift : 0), 0.0, 1.0);
         ++tally.cases;
         tally.impacts += answer < unit_one;
-        // Sampled: apart until then, and about the target at it.
+        // Samples: apart until the impact, and at about the target distance there.
         for (int k = 0; k <= 200; ++k)
             if (separation(a, b, c, t * k / 200, scratch) < target * 0.9) {
                 ++tally.late;
@@ -103,7 +103,7 @@ std::shared_ptr<fcl::CollisionGeometryd> fcl_shape(const Geometry& g) {
         return std::make_shared<fcl::Cylinderd>(h.x, 2 * h.y);
     }
 }
-/// FCL's cylinders and cones stand along z.
+/// FCL's cylinders and cones have their axis along z.
 fcl::Transform3d fcl_pose(const Transform& t, bool upright) {
     fcl::Transform3d out = fcl::Transform3d::Identity();
     fcl::Quaterniond q(value(t.rotation.w), value(t.rotation.x), value(t.rotation.y), value(t.rotation.z));
@@ -116,7 +116,7 @@ fcl::Transform3d fcl_pose(const Transform& t, bool upright) {
     return out;
 }
 
-/// The time of contact by FCL's conservative advancement, shapes that only move in a line; negative when it finds none.
+/// The time of contact by FCL's conservative advancement, for shapes that only translate; negative when it finds none.
 double fcl_time(const Case& c) {
     const auto upright = [](const Geometry& g) {
         return g.kind == ShapeKind::cylinder || g.kind == ShapeKind::cone;
@@ -136,7 +136,7 @@ double fcl_time(const Case& c) {
 TEST_CASE("a time of impact is never late and not early") {
     const Tally t = check_many(samples(400, 10000), 0);
     CHECK(t.late == 0);
-    CHECK(t.early <= t.cases / 500); // steps run out where shapes turn beside each other for long
+    CHECK(t.early <= t.cases / 500); // the steps run out for shapes that turn beside each other for long
     CHECK(t.impacts > t.cases / 4);
     CHECK(t.cases - t.impacts > t.cases / 10);
 }
@@ -166,7 +166,7 @@ TEST_CASE("times of impact and casts of straight motions agree with FCL") {
         const double length = norm(of(c.sweep_b.to.position - c.sweep_b.from.position));
         const Unit own = collide::time_of_impact(a, c.sweep_a, b, c.sweep_b, fixed<Length>(1e-5), scratch);
         if (truth < 0 || own == unit_one) {
-            // One of them passes by: then it is close.
+            // One of the two reports a miss: then the distance must be small.
             double least = 1;
             for (int k = 0; k <= 400; ++k) least = std::min(least, separation(a, b, c, k / 400.0, scratch));
             wrong += (truth < 0) != (own == unit_one) && least > 2e-3 && least < 1;
@@ -178,14 +178,14 @@ TEST_CASE("times of impact and casts of straight motions agree with FCL") {
             rotate_inverse(c.sweep_a.from.rotation, c.sweep_b.to.position - c.sweep_b.from.position);
         collide::CastHit hit{};
         const bool met = collide::cast_shape(a, b, rel, to<Coordinate>(way), scratch, hit);
-        // Grazing contacts hang on the tolerance of FCL's distance, about 1e-5 m.
+        // The result of a grazing contact depends on the tolerance of FCL's distance, about 1e-5 m.
         const double cosine = met ? -dot(of(hit.normal), unit(of(way))) : 1;
         if (cosine < 0.1) continue;
         wrong += std::abs(value(own) - truth) * length * cosine > 1e-3;
         wrong_cast += !met || std::abs(value(hit.fraction) - truth) * length * cosine > 1e-3;
     }
     CHECK(compared > 50);
-    // FCL itself is a millimetre off once in thousands; the casts are proved without it in cast_shape.cpp.
+    // FCL itself is off by a millimetre in one of thousands; cast_shape.cpp proves the casts without it.
     CHECK(wrong <= compared / 1000);
     CHECK(wrong_cast <= compared / 1000);
 }

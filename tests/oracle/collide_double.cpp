@@ -1,4 +1,4 @@
-// The narrow phase against references in double precision written from the definitions, for all nine pairs.
+// The narrow phase against references in double precision, from the definitions, for all nine pairs.
 #include "oracle/double_shapes.h"
 
 #include <doctest/doctest.h>
@@ -13,14 +13,14 @@ namespace {
 
 const Length margin = as_fixed<Length>(0.02);
 
-/// What a comparison found, for the table.
+/// The results of a comparison, for the printed table.
 struct Comparison {
     int poses = 0, hits = 0, wrong_hits = 0, wrong = 0;
     double own_square = 0,
-           own_max = 0; // of separations where one number is exactly right
+           own_max = 0; // of separations with one exact value
     int own_count = 0;
-    double excess_max = 0; // the depth above the least possible one: the preference for faces
-    std::string first;     // what the checker said first
+    double excess_max = 0; // the depth above the least one, which the preference for faces causes
+    std::string first;     // the first sentence of the checker
 };
 
 bool along_a_face(const Placed& s, D3 n) {
@@ -29,8 +29,8 @@ bool along_a_face(const Placed& s, D3 n) {
            });
 }
 
-/// The error of the deepest point's separation where one number is exactly right, else nothing: a corner beyond the
-/// side of a face is not among the points, and two points along a capsule are projected on their common normal.
+/// The error of the deepest point's separation where there is one exact value, else nothing: a corner beyond the side
+/// of a face has no point, and two points along a capsule are projected on their common normal.
 std::optional<double> separation_error(const Placed& a, const Placed& b, const Manifold& m, double deepest,
                                        double truth) {
     const D3 n = as_double(m.normal);
@@ -42,10 +42,10 @@ std::optional<double> separation_error(const Placed& a, const Placed& b, const M
     if (a.kind != ShapeKind::box || b.kind != ShapeKind::box) return deepest - along;
     if (!along_a_face(a, n)) {
         if (along_a_face(b, n)) return std::nullopt;
-        if (m.count > 1) return std::nullopt; // edges that run along each other
+        if (m.count > 1) return std::nullopt; // parallel edges
         return deepest - along;               // two edges
     }
-    // A's face: the point of a corner of B is as deep as that corner.
+    // A's face: the point of a corner of B has that corner's depth.
     for (std::uint32_t k = 0; k < m.count; ++k) {
         if (m.points[k].feature >> 16 != 2) continue;
         D3 corner = b.center;
@@ -117,7 +117,7 @@ TEST_CASE("the manifold checker reports planted faults") {
     struct Fault {
         const char* what;
         void (*plant)(Manifold&);
-        std::uint32_t points; // the manifold has at least so many
+        std::uint32_t points; // the least number of points of the manifold
         int planted = 0, reported = 0;
     };
     Fault faults[] = {
@@ -141,7 +141,8 @@ TEST_CASE("the manifold checker reports planted faults") {
         };
         REQUIRE(verdict(good).empty());
         const double truth = separation(place_a(s.a), place_b(s.b, s.pose));
-        if (truth > -0.005 || truth < -0.04) continue; // deeper, both directions out of a box can be as good
+        // deeper, both directions out of a box can be equally good
+        if (truth > -0.005 || truth < -0.04) continue;
         for (Fault& fault : faults) {
             if (good.count < fault.points) continue;
             Manifold bad = good;

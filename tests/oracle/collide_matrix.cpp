@@ -1,9 +1,10 @@
-// Every convex kind against every other and against planes, in random and designed poses, judged in double precision and compared with FCL
-// 0.7 (libccd's GJK and EPA).
+// Every convex kind against every other and against planes, in random and designed poses, judged in double precision
+// and compared with FCL 0.7 (libccd's GJK and EPA).
 //
-// The judges of convex_double.h prove an answer right or wrong from the definitions; FCL is the second opinion by other
-// authors. Its distances are iterated to 1e-6 and its depths are those of a portal refinement, not the least ones, so a
-// disagreement is held against us when our own answer is not proved, or when FCL's direction parts the shapes sooner.
+// The judges of convex_double.h prove an answer right or wrong from the definitions; FCL is a second opinion by other
+// authors. Its distances are iterated to 1e-6 and its depths come from a portal refinement, so they are not the least
+// ones. A disagreement therefore counts as our error only when our own answer is not proved, or when FCL's direction
+// separates the shapes with a shorter move.
 //
 // LOCKSTONE_LONG=1 takes 110,000 poses a pair; LOCKSTONE_SHARD=2/5 every fifth pair from the second on.
 #include "oracle/convex_fcl.h"
@@ -20,14 +21,14 @@ namespace {
 
 const Length margin = as_fixed<Length>(0.02);
 
-/// The routines of plain spheres, capsules and boxes let points slide a little; collide_double.cpp judges them.
+/// The routines of plain spheres, capsules and boxes let points slide a little. collide_double.cpp judges them.
 bool has_own_routine(const Solid& s) {
     const Geometry& g = s.geometry;
     return g.kind == ShapeKind::sphere || g.kind == ShapeKind::capsule ||
            (g.kind == ShapeKind::box && g.radius == Length{});
 }
 
-/// Empty when the manifold goes with the signed separation `truth` of the shapes, which has been proved.
+/// Returns an error sentence unless the manifold agrees with the proved signed separation `truth` of the shapes.
 std::string judge_manifold(const ConvexScene& s, const DoubleCore& a, const DoubleCore& b, double truth,
                            const collide::Manifold& m) {
     std::ostringstream why;
@@ -59,7 +60,7 @@ std::string judge_manifold(const ConvexScene& s, const DoubleCore& a, const Doub
         const D3 p = as_double(m.points[k].position) + b.center;
         const double off_a = a.outside(p - n * (separation / 2)) - a.radius,
                      off_b = b.outside(p + n * (separation / 2)) - b.radius;
-        // A hull's facets become one face where that moves no corner by more than 2^-12 of its size.
+        // A hull's facets are merged into one face if that moves no corner by more than 2^-12 of the hull's size.
         const auto faceted = [](const Solid& of) {
             if (of.hull == nullptr) return 0.0;
             const D3 size = as_double(of.hull->extent.upper - of.hull->extent.lower);
@@ -85,7 +86,7 @@ struct Tally {
     std::vector<std::string> complaints; ///< the first few
 };
 
-/// One pair of kinds and what its poses are made and judged with.
+/// One pair of kinds, and the data to make and judge its poses.
 struct Pair {
     ConvexKind a, b;
     const HullPool& pool;
@@ -117,7 +118,7 @@ struct Pair {
     }
 };
 
-/// Our answer has been proved, so a hit or distance that differs is FCL's; its directions are tried against ours.
+/// Our answer has been proved, so a different hit or distance is FCL's error. The function also tries FCL's directions.
 std::string Pair::compare_with_fcl(const ConvexScene& s, const DoubleCore& first, const DoubleCore& second,
                                    const CoreAnswer& ours) {
     const double mine = ours.distance - radius_in_fcl(first) - radius_in_fcl(second);
@@ -134,8 +135,8 @@ std::string Pair::compare_with_fcl(const ConvexScene& s, const DoubleCore& first
     return "FCL's direction parts them by " + std::to_string(-search.separation()) + "; ";
 }
 
-/// Half-spaces are closed forms in FCL: hit and depth have to be the same. It takes a disc within 5e-4 rad of lying for one
-/// that lies, loses digits near that, and takes every cone whose apex is below its middle for one on its side.
+/// FCL computes half-spaces in closed form: hit and depth must agree. But FCL treats a disc within 5e-4 rad of lying
+/// flat as flat, loses digits near that angle, and treats every cone whose apex is below its middle as one on its side.
 std::string Pair::compare_plane_with_fcl(const ConvexScene& s, const DoubleCore& second, double truth) {
     double lost = 1e-7;
     if (second.is_smooth()) {
@@ -191,7 +192,7 @@ void Pair::print() const {
     std::fflush(stdout);
 }
 
-/// All pairs, planes first; or, of LOCKSTONE_SHARD=i/n, every n-th from the i-th on.
+/// All pairs, planes first; with LOCKSTONE_SHARD=i/n every n-th from the i-th on.
 std::vector<std::pair<ConvexKind, ConvexKind>> pairs_to_run() {
     std::vector<std::pair<ConvexKind, ConvexKind>> all, chosen;
     for (int b = 0; b < convex_kinds; ++b) all.emplace_back(ConvexKind::plane, static_cast<ConvexKind>(b));
@@ -240,7 +241,7 @@ TEST_CASE("every pair of convex kinds is right in every pose, and near FCL's opi
 
 namespace {
 
-/// Damage to a pair or to what comes out for it. False: it does not apply.
+/// Damage to a pair or to its manifold. plant() returns false if the damage does not apply.
 struct Fault {
     const char* what;
     bool (*plant)(ConvexScene&, shapes::Hull& spare);
@@ -263,7 +264,7 @@ bool lose_corner(ConvexScene& s, shapes::Hull& spare) {
         if (dot(b.points[k], truth.normal) < dot(b.points[lowest], truth.normal)) lowest = k;
     spare.vertices[lowest] = spare.interior;
     s.b.hull = &spare;
-    // Only where that corner matters by more than a face's preference.
+    // Only where that corner changes the distance by more than the preference for faces.
     return std::abs(ask(s.a, s.b, s.pose).distance - truth.distance) > 0.002;
 }
 bool leave(ConvexScene&, shapes::Hull&) { return true; }
@@ -310,7 +311,7 @@ TEST_CASE("a wrong radius, a flipped normal and a lost corner are noticed") {
     for (const Fault& f : faults) {
         INFO(std::string(f.what), ": ", f.noticed, " of ", f.planted);
         CHECK(f.planted > 30);
-        CHECK(f.noticed * 5 > f.planted * 3); // a lost corner may hide behind its neighbours
+        CHECK(f.noticed * 5 > f.planted * 3); // neighbours may hide a lost corner
     }
 }
 
@@ -350,6 +351,6 @@ TEST_CASE("a plane's wrong normal, depth, place and number of points are noticed
     CHECK(planted > 100);
     for (const auto& f : faults) {
         INFO(std::string(f.what));
-        CHECK(f.noticed * 10 > planted * 9); // of points that lie nearly at one height one may do
+        CHECK(f.noticed * 10 > planted * 9); // if the points have nearly equal heights, one is enough
     }
 }

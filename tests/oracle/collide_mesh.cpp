@@ -1,6 +1,6 @@
-// Contacts with meshes and height fields against double precision: every triangle by itself, without trees,
-// culling or clipping. Shapes are outside with their cores; how deep cores are pushed out is in
-// tests/law/collide/collide_triangles.cpp.
+// Contacts with meshes and height fields against double precision: the reference tests every triangle alone, without
+// trees, culling or clipping. Cores are outside of the surface; tests/law/collide/collide_triangles.cpp tests how deep
+// cores are pushed out.
 #include "lockstone/math/math.h"
 #include "oracle/mesh_scenes.h"
 
@@ -16,7 +16,7 @@ namespace {
 const Length margin = as_fixed<Length>(0.02);
 constexpr double margin_m = 0.02;
 
-/// A convex core in double: its support mapping from the definition.
+/// A convex core in double precision: its support mapping from the definition.
 struct DoubleConvex {
     DoubleConvex(const shapes::Solid& b, const collide::RelativePose& pose)
         : kind(b.geometry.kind), radius(as_double(b.geometry.radius)),
@@ -64,12 +64,12 @@ double separation_along(const DoubleConvex& a, const DoubleConvex& b, D3 n) {
     return -b.support(n * -1.0) - a.support(n);
 }
 
-/// The point nearest to the origin of the hull of up to four points, by trying all subsets.
+/// The point nearest to the origin of the hull of up to four points, found by trying all subsets.
 struct NearestPoint {
     D3 at;
     std::vector<D3> kept;
 };
-/// Weights of the affine hull's nearest point; false when the points are dependent.
+/// The nearest point of the affine hull; returns false when the points are dependent.
 bool affine_nearest(const std::vector<D3>& p, D3& at) {
     const std::size_t n = p.size();
     if (n == 1) return at = p[0], true;
@@ -135,11 +135,11 @@ double distance(const DoubleConvex& a, const DoubleConvex& b) {
     return oracle::norm(nearest.at);
 }
 
-/// What of a mesh is near a place, in double.
+/// A triangle of the mesh near a place, in double precision.
 struct NearTriangle {
     shapes::Triangle triangle;
     DoubleConvex core;
-    bool slightly_bent; ///< has a convex edge that is not felt
+    bool slightly_bent; ///< has a convex edge that counts as flat
 };
 
 bool is_slightly_bent(const shapes::Triangle& t) {
@@ -170,8 +170,8 @@ std::vector<NearTriangle> triangles_about(const shapes::Solid& solid, D3 at, dou
     return out;
 }
 
-/// Whether the triangle nearest to a point is seen from its front; of equally near ones that which the point is
-/// furthest above or below.
+/// Returns whether a point is on the front side of the nearest triangle. Among equally near ones, the one with the
+/// greatest height difference decides.
 bool is_outside(const std::vector<NearTriangle>& triangles, D3 point) {
     DoubleConvex core(primitive(sphere(1_r)), {Rotation::identity(), CoordinateVec3{}});
     core.center = point;
@@ -187,8 +187,8 @@ bool is_outside(const std::vector<NearTriangle>& triangles, D3 point) {
     return height > 0;
 }
 
-/// Empty when the manifolds are those of a shape outside of the mesh, else what is wrong. `truth`: separation of the
-/// nearest triangle; negative while only the rounding overlaps.
+/// Returns an error sentence unless the manifolds are right for a shape outside of the mesh. `truth`: separation of the
+/// nearest triangle; negative if only the rounding overlaps.
 std::string check(const std::vector<NearTriangle>& triangles, const DoubleConvex& b, double bias,
                   double reach, const collide::Manifolds& m, double& truth) {
     bool bent = false;
@@ -202,7 +202,7 @@ std::string check(const std::vector<NearTriangle>& triangles, const DoubleConvex
     truth = least - b.radius;
     std::ostringstream why;
     if (triangles.empty()) return m.count == 0 ? "" : "contact with nothing; ";
-    const double bend = bent ? 0.035 * reach : 0; // neighbours share flat edges with their own normals
+    const double bend = bent ? 0.035 * reach : 0; // neighbours share flat edges, with normals of their own
     const double tolerance = 1e-6 + 1e-7 * reach, noise = 0.000123;
     if (m.count == 0) {
         if (truth < margin_m - tolerance - bend) why << "misses a gap of " << truth << "; ";
@@ -210,8 +210,7 @@ std::string check(const std::vector<NearTriangle>& triangles, const DoubleConvex
     }
     if (truth > margin_m + tolerance) why << "a contact for a gap of " << truth << "; ";
     double deepest = 1;
-    bool parted =
-        false; // one of the normals parts the shape from a nearest triangle as well as the best one does
+    bool parted = false; // a normal separates the shape from a nearest triangle as well as the best one does
     for (std::uint32_t i = 0; i < m.count; ++i) {
         double own = 1;
         for (std::uint32_t k = 0; k < m.items[i].count; ++k)
@@ -220,7 +219,7 @@ std::string check(const std::vector<NearTriangle>& triangles, const DoubleConvex
         deepest = std::min(deepest, own);
         const D3 n = as_double(m.items[i].normal);
         if (std::abs(oracle::norm(n) - 1) > 4e-9) why << "normal of length " << oracle::norm(n) << "; ";
-        // Of triangles that are nearest up to the preferences any will do.
+        // All triangles count that are nearest up to the preferences.
         for (std::size_t t = 0; t < triangles.size(); ++t)
             parted = parted || (distances[t] < least + bias + noise + tolerance &&
                                 separation_along(triangles[t].core, b, n) > least - bias - tolerance - bend);
@@ -233,7 +232,7 @@ std::string check(const std::vector<NearTriangle>& triangles, const DoubleConvex
     return why.str();
 }
 
-/// A closed surface about the origin whose radius varies; with twelve triangles to each of its poles.
+/// A closed surface about the origin with a varying radius; each of its poles has twelve triangles.
 Soup boulder(RandomReal& random, double size, double roughness) {
     constexpr int around = 12, rings = 5;
     std::vector<D3> points;
@@ -296,7 +295,7 @@ Owned solid_of(RandomReal& random, int kind, double size) {
 
 struct Ground {
     Owned owned;
-    double size; ///< shapes are put within this from the middle
+    double size; ///< shapes are placed within this distance of the middle
     D3 middle;
 };
 
@@ -328,8 +327,8 @@ struct Outcome {
 
 using Damage = void (*)(collide::Manifolds&);
 
-/// A shape near a random place of the surface, along the normal there from touching by `low` to `high` times its
-/// size.
+/// A shape near a random place of the surface, moved along the normal there by `low` to `high` times its rounding (at
+/// least 0.04 m) from touching.
 struct Placement {
     double size, reach;
     Owned b;
@@ -371,7 +370,7 @@ Placement place(const Ground& ground, int kind, RandomReal& random, double low, 
             triangles_about(ground.owned.solid, at, reach + margin_m)};
 }
 
-/// Shapes whose cores are outside of the surface.
+/// Tests shapes whose cores are outside of the surface.
 Outcome run(const Ground& ground, int kind, int poses, RandomReal& random, Damage damage = nullptr) {
     Outcome r;
     collide::NarrowScratch scratch;
@@ -396,7 +395,7 @@ Outcome run(const Ground& ground, int kind, int poses, RandomReal& random, Damag
     return r;
 }
 
-/// Shapes whose cores cut the surface have to yield a point, no deeper than they are wide.
+/// Tests shapes whose cores cut the surface: each must have a point, no deeper than the shape's size.
 Outcome run_overlapping(const Ground& ground, int kind, int poses, RandomReal& random) {
     Outcome r;
     collide::NarrowScratch scratch;

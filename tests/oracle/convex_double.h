@@ -1,5 +1,5 @@
 // Double-precision references for convex shapes, from the definitions: support functions and membership of the cores,
-// and judges that tell whether an answer about two of them is right without computing it another way.
+// and judges that prove an answer about two cores right or wrong without another algorithm.
 #pragma once
 
 #include "collide/convex/convex.h"
@@ -20,15 +20,15 @@ inline D3 from_bits(const Long3& v, int bits) {
             static_cast<double>(v[2]) * step};
 }
 
-/// A solid without its rounding, placed in A's frame; or a triangle in it.
+/// A solid without its rounding, or a triangle, placed in A's frame.
 struct DoubleCore {
     ShapeKind kind = ShapeKind::sphere;
     double radius = 0;
     D3 center{0, 0, 0};
     D3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     D3 half{0, 0, 0};
-    std::vector<D3> points;                               ///< of a hull or triangle
-    std::span<const std::array<std::uint8_t, 3>> faces{}; ///< of a hull, which is kept by whoever has it
+    std::vector<D3> points;                               ///< of a hull or a triangle
+    std::span<const std::array<std::uint8_t, 3>> faces{}; ///< of a hull, which the caller keeps alive
 
     DoubleCore(const Solid& s, const RelativePose& pose)
         : kind(s.geometry.kind), radius(as_double(s.geometry.radius)),
@@ -89,7 +89,7 @@ struct DoubleCore {
         return most;
     }
 
-    /// How far a point is outside of the core; 0 or less inside. Of a hull: of the furthest plane.
+    /// The distance of a point outside of the core; 0 or less inside. For a hull: the distance to the furthest plane.
     double outside(D3 point) const {
         const D3 p = local(point);
         const auto beyond = [](double x, double h) { return std::max(std::abs(x) - h, 0.0); };
@@ -123,12 +123,12 @@ inline double separation_along(const DoubleCore& a, const DoubleCore& b, D3 n) {
     return -b.support(n * -1.0) - a.support(n);
 }
 
-/// What `closest_points` and `penetration` say about two cores.
+/// The result of `closest_points` and `penetration` for two cores.
 struct CoreAnswer {
     bool overlap;
     D3 normal;       ///< from a to b
     double distance; ///< negative: the depth
-    D3 on_a, on_b;   ///< when apart
+    D3 on_a, on_b;   ///< if apart
 };
 inline CoreAnswer ask(const Solid& a, const Solid& b, const RelativePose& pose) {
     using namespace lockstone;
@@ -143,19 +143,19 @@ inline CoreAnswer ask(const Solid& a, const Solid& b, const RelativePose& pose) 
     return {true, from_bits(p.normal_30, 30), -metres(p.depth_30), {}, {}};
 }
 
-/// What answers may be wrong by: two steps of 2^-30 m, and of the 30 bits of a direction over the shapes' reach.
+/// The tolerance of answers: two steps of 2^-30 m, and the 30 bits of a direction over the shapes' reach.
 inline double core_tolerance(const DoubleCore& a, const DoubleCore& b) {
     return 1e-8 + 1e-8 * (a.reach() + b.reach() + norm(b.center - a.center));
 }
 
-/// About one centre round shapes are nearly as deep in all directions, and the search of the depth ends within 1 %.
+/// Concentric round shapes are nearly equally deep in all directions, and the search of the depth ends within 1 %.
 inline double deep_slack(const DoubleCore& a, const DoubleCore& b, double separation) {
     const bool deep = -separation > 0.5 * std::min(a.reach() - a.radius, b.reach() - b.radius);
     return deep ? -0.01 * separation : 0;
 }
 
-/// The most that the cores are parted by, over directions that are right for polytopes, a spread of others, and a
-/// search about the best: for overlapping cores minus the depth.
+/// The greatest separation of the cores over the exact directions of polytopes, a spread of others, and a search near
+/// the best one. For overlapping cores it is minus the depth.
 class SeparationSearch {
   public:
     SeparationSearch(const DoubleCore& first, const DoubleCore& second) : a(first), b(second) {}
@@ -186,7 +186,7 @@ class SeparationSearch {
     double separation() const { return most; }
 
   private:
-    /// Inward a face cannot be what parts two cores.
+    /// The inward normal of a face cannot separate two cores.
     void consider_out_of(const DoubleCore& s, const std::array<std::uint8_t, 3>& t, double side) {
         consider(cross(s.points[t[1]] - s.points[t[0]], s.points[t[2]] - s.points[t[0]]) * side);
     }
@@ -196,9 +196,9 @@ class SeparationSearch {
     D3 best{0, 1, 0};
 };
 
-/// Empty when the answer is right. Apart: a plane that far between the cores and two points of them that near to each
-/// other prove it. Overlapping: moving b along the normal by the depth parts them, and no direction that the search
-/// finds needs less.
+/// Returns an error sentence unless the answer is right. Apart: a plane that separates the cores by the distance, and
+/// two points of them at that distance, prove it. Overlapping: moving b along the normal by the depth separates them,
+/// and the search finds no direction with a shorter move.
 inline std::string judge(const DoubleCore& a, const DoubleCore& b, const CoreAnswer& answer,
                          RandomReal& random, int effort) {
     std::ostringstream why;
@@ -208,7 +208,7 @@ inline std::string judge(const DoubleCore& a, const DoubleCore& b, const CoreAns
     if (!answer.overlap) {
         const double between = norm(answer.on_b - answer.on_a);
         const double smooth = a.is_smooth() || b.is_smooth() ? 1e-6 * between + 5e-7 : 0;
-        // The direction of a small gap between points that are each rounded to 2^-30 m turns the planes by that much.
+        // Points are rounded to 2^-30 m. Across a small gap that turns the direction, and so the planes, by this much.
         const double turned =
             std::min(3e-9 / between, 2e-7) * (a.reach() + b.reach() + norm(b.center - a.center));
         if (answer.distance <= 0) why << "apart by " << answer.distance << "; ";

@@ -1,4 +1,4 @@
-// What FCL 0.7 says of two convex shapes: the second opinion, by other authors.
+// The results of FCL 0.7 for two convex shapes: a second opinion by other authors.
 #pragma once
 
 #include "oracle/convex_scenes.h"
@@ -12,7 +12,7 @@
 
 namespace oracle {
 
-/// FCL's cylinders, cones and capsules run along z, ours along y: x y z -> z x y.
+/// FCL's cylinders, cones and capsules have their axis along z, ours along y: x y z -> z x y.
 inline fcl::Transform3d transform_of(const DoubleCore& s) {
     const bool turned = s.kind == ShapeKind::capsule || s.is_smooth();
     fcl::Transform3d t = fcl::Transform3d::Identity();
@@ -35,7 +35,7 @@ inline FclShape make_fcl_hull(const Solid& s) {
     return std::make_shared<fcl::Convexd>(vertices, static_cast<int>(s.hull->triangles.size()), faces);
 }
 
-/// Made once for each hull of a pool, which has to outlive this.
+/// FCL hulls, made once for each hull of a pool. The pool must outlive this object.
 class FclHulls {
   public:
     FclShape of(const Solid& s) {
@@ -48,7 +48,7 @@ class FclHulls {
     std::map<const lockstone::shapes::Hull*, FclShape> hulls;
 };
 
-/// The cores, but a sphere and a capsule whole: FCL has no points and segments.
+/// The cores, except whole spheres and capsules: FCL has no points and segments.
 inline FclShape fcl_shape(FclHulls& hulls, const Solid& s, const DoubleCore& d) {
     switch (d.kind) {
     case ShapeKind::sphere:
@@ -68,16 +68,16 @@ inline FclShape fcl_shape(FclHulls& hulls, const Solid& s, const DoubleCore& d) 
     }
 }
 
-/// What FCL says of the shapes, without the rounding of what is not a sphere or capsule.
+/// FCL's result for the shapes, without the rounding of all kinds but sphere and capsule.
 struct FclAnswer {
     bool hit = false;
-    double distance = 0;          ///< when apart
+    double distance = 0;          ///< if apart
     double depth = 0;             ///< of its deepest contact
     std::vector<D3> directions{}; ///< of its contacts
 };
 
-/// Nothing when it throws. libccd's search in FCL ends the process by an assertion on some simplices of shapes that
-/// all but touch: those are left to FCL's own.
+/// Empty when FCL throws. The assertions of libccd's search end the process on some simplices of shapes that nearly
+/// touch; these use FCL's own solver.
 inline std::optional<FclAnswer> ask_fcl(FclHulls& hulls, const ConvexScene& s, const DoubleCore& a,
                                         const DoubleCore& b, bool touching) {
     const fcl::GJKSolverType solver = touching ? fcl::GST_INDEP : fcl::GST_LIBCCD;
@@ -95,14 +95,14 @@ inline std::optional<FclAnswer> ask_fcl(FclHulls& hulls, const ConvexScene& s, c
             answer.directions.push_back({contact.normal.x(), contact.normal.y(), contact.normal.z()});
             answer.depth = std::max(answer.depth, std::abs(contact.penetration_depth));
         }
-        if (answer.hit || a.kind == ShapeKind::plane) return answer; // it knows no distance from a half-space
+        if (answer.hit || a.kind == ShapeKind::plane) return answer; // FCL has no distance from a half-space
         fcl::DistanceResultd result;
         answer.distance = fcl::distance(&object_a, &object_b, distance, result);
         return answer;
     } catch (const std::exception&) { return std::nullopt; }
 }
 
-/// The part of the radii that FCL sees.
+/// The part of the radius that the FCL shape includes.
 inline double radius_in_fcl(const DoubleCore& s) {
     return s.kind == ShapeKind::sphere || s.kind == ShapeKind::capsule ? s.radius : 0;
 }

@@ -1,12 +1,13 @@
-// Planes against convex solids: scenes, and a judge by the definition of the support point.
+// Planes against convex solids: scenes, and a judge that uses the definition of the support point.
 #pragma once
 
 #include "oracle/convex_scenes.h"
 
 namespace oracle {
 
-/// Both placed in the world and brought into the plane's frame as the engine does it. Designed: lying on a face, an edge
-/// or a corner or nearly so, touching to within little, of 5 mm to 800 m, far from the origin.
+/// A plane and a solid in the world, and their pose in the plane's frame as the engine computes it. Designed: the solid
+/// lies on a face, an edge or a corner or nearly so, touches or nearly touches, has 5 mm to 800 m, and may be far from
+/// the origin.
 inline ConvexScene plane_scene(RandomReal& random, const HullPool& pool, ConvexKind kind, bool designed) {
     ConvexScene s{};
     s.is_ordinary = !designed || random.below(3) != 0;
@@ -35,7 +36,7 @@ inline ConvexScene plane_scene(RandomReal& random, const HullPool& pool, ConvexK
     return s;
 }
 
-/// The corners of a core, of a disc sixteen places of its rim and the lowest one.
+/// The corners of a core; for a disc sixteen points of its rim and the lowest one.
 inline std::vector<D3> corners_of(const DoubleCore& s) {
     std::vector<D3> out = s.points;
     const D3 down{0, -1, 0};
@@ -63,7 +64,7 @@ inline std::vector<D3> corners_of(const DoubleCore& s) {
     }
 }
 
-/// The signed separation of a shape from the plane y = 0: where its lowest point is.
+/// The signed separation of a shape from the plane y = 0: the height of its lowest point.
 inline double height_above_plane(const DoubleCore& b) { return -b.support({0, -1, 0}) - b.radius; }
 
 inline double extent_of(const std::vector<D3>& points) {
@@ -73,8 +74,9 @@ inline double extent_of(const std::vector<D3>& points) {
     return most;
 }
 
-/// Empty when the manifold is right: a point exactly when the lowest point is within the margin, the plane's own normal,
-/// the lowest point among the points, each of them on the shape's under side, and as far apart as what lies lowest is wide.
+/// Returns an error sentence unless the manifold is right: it has points exactly when the lowest point is within the
+/// margin, the plane's own normal, the lowest point among its points, all points on the shape's underside, and a spread
+/// as wide as the shape's lowest part.
 inline std::string judge_plane(const DoubleCore& b, double margin, const Manifold& m) {
     std::ostringstream why;
     const double truth = height_above_plane(b),
@@ -96,16 +98,16 @@ inline std::string judge_plane(const DoubleCore& b, double margin, const Manifol
             if (m.points[l].feature == m.points[k].feature)
                 why << "points " << l << " and " << k << " share a feature; ";
         const D3 offset = as_double(m.points[k].position);
-        if (truth < -15.9 || norm(offset) > 127) return why.str(); // where separations and positions end
+        if (truth < -15.9 || norm(offset) > 127) return why.str(); // the limits of separations and positions
         const D3 p = offset + b.center, on_b = p + D3{0, separation / 2, 0};
         points.push_back(on_b);
         if (std::abs(p.y - separation / 2) > tolerance) why << "point " << k << " is " << p.y << " high; ";
         const double out = b.outside(on_b) - b.radius, under = b.outside(on_b - D3{0, 0.001, 0}) - b.radius;
         if (out > tolerance) why << "point " << k << " is " << out << " outside; ";
-        // The lowest of a ball about a core's higher corner may lie within a rounded shape.
+        // Below a higher corner of a rounded core, the lowest point of its ball may lie within the shape.
         if (under <= 0 && b.radius == 0) why << "point " << k << " is not on the under side; ";
     }
-    // Of more than four points the one that is kept as the deepest may be that much higher.
+    // A reduction of more than four points may keep a deepest point that is higher by this much.
     const double reduced = b.is_smooth() || b.points.size() > 4 ? std::ldexp(1, -13) : 0;
     if (lowest < truth - tolerance || lowest > truth + reduced + tolerance)
         why << "the deepest point is " << lowest << ", truly " << truth << "; ";

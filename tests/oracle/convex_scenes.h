@@ -7,7 +7,7 @@
 
 namespace oracle {
 
-/// The kinds of the matrix: primitives, hulls, and both of them rounded.
+/// The kinds of the matrix: primitives, hulls, and rounded forms of both.
 enum class ConvexKind {
     sphere,
     capsule,
@@ -19,7 +19,7 @@ enum class ConvexKind {
     round_cone,
     round_box,
     round_hull,
-    plane ///< of all shapes: only as A
+    plane ///< only as A
 };
 inline constexpr int convex_kinds = 10; ///< without the plane
 inline const char* name_of(ConvexKind kind) {
@@ -43,7 +43,7 @@ class HullPool {
         for (int i = 0; hulls.size() < 48 && i < 4000; ++i) add(random, i);
     }
     const std::vector<Solid>& all() const { return hulls; }
-    /// A hull of about the size, within a factor of 3 where there is one.
+    /// A hull of about this size, within a factor of 3 if there is one.
     const Solid& pick(RandomReal& random, double size) const {
         const Solid* best = nullptr;
         double least = 1e300;
@@ -88,7 +88,8 @@ class HullPool {
 struct ConvexScene {
     Solid a, b;
     RelativePose pose;
-    bool is_ordinary; ///< sizes within a factor of 100 of each other and of a metre: FCL is asked too
+    /// sizes within a factor of 100 of each other and of a metre: the tests then compare with FCL
+    bool is_ordinary;
 };
 
 inline Solid random_solid(RandomReal& random, const HullPool& pool, ConvexKind kind, double size) {
@@ -125,7 +126,7 @@ inline Solid random_solid(RandomReal& random, const HullPool& pool, ConvexKind k
     return solid;
 }
 
-/// A quarter turn or two about an axis, off by a little every other time; or any rotation.
+/// Up to three quarter turns about an axis, half of them slightly off; or any rotation.
 inline lockstone::Quat awkward_rotation(RandomReal& random) {
     const std::uint32_t style = random.below(4);
     if (style == 0) return lockstone::Quat::identity();
@@ -138,7 +139,7 @@ inline lockstone::Quat awkward_rotation(RandomReal& random) {
     return lockstone::normalized(quat_of(axis, angle) * quat_of(tilt, off));
 }
 
-/// Where the surfaces touch along a direction, or miss by a little.
+/// The offset at which the surfaces touch along a direction, or miss by a little.
 inline D3 touching_offset(RandomReal& random, const ConvexScene& s, const lockstone::Quat& turn) {
     const DoubleCore a(s.a), b(s.b, pose_of(turn, {0, 0, 0}));
     D3 n = random.direction();
@@ -166,7 +167,7 @@ inline ConvexScene random_scene(RandomReal& random, const HullPool& pool, Convex
     return s;
 }
 
-/// Aligned and nearly aligned poses, touching, coincident, deep, of sizes from 5 mm to 800 m, and far from the origin.
+/// Aligned and nearly aligned poses: touching, coincident, deep, of sizes from 5 mm to 800 m, and far from the origin.
 inline ConvexScene designed_scene(RandomReal& random, const HullPool& pool, ConvexKind a, ConvexKind b) {
     ConvexScene s{};
     s.is_ordinary = random.below(3) != 0;
@@ -181,7 +182,7 @@ inline ConvexScene designed_scene(RandomReal& random, const HullPool& pool, Conv
     if (style == 1) offset = random.vector(0, 0.3 * DoubleCore(s.a).reach());
     if (style >= 2) offset = touching_offset(random, s, turn);
     s.pose = pose_of(turn, offset);
-    if (random.below(4) == 0) { // the same, 10,000 km from the origin of the world
+    if (random.below(4) == 0) { // this scene 10,000 km from the origin of the world
         using lockstone::Real;
         const lockstone::Vec3 far{Real(10'000'000), Real(-9'000'000), as_fixed<Real>(0.3)};
         const lockstone::Vec3 between{as_fixed<Real>(offset.x), as_fixed<Real>(offset.y),

@@ -1,5 +1,5 @@
-// Double-precision references for the narrow phase, written from the definitions and not from its code: signed
-// separations, support functions, distance to a surface, and one checker that every manifold test shares.
+// Double-precision references for the narrow phase, from the definitions and not from its code: signed separations,
+// support functions, distance to a surface, and one checker for all manifold tests.
 #pragma once
 
 #include "collide/narrow_phase.h"
@@ -67,7 +67,7 @@ inline Placed place_b(const Geometry& g, const RelativePose& p) {
             {as_double(p.rotation.x), as_double(p.rotation.y), as_double(p.rotation.z)}};
 }
 
-/// The greatest n . x over the shape; infinite for a plane that n does not point out of.
+/// The greatest n . x over the shape; for a plane finite only along its normal.
 inline double support(const Placed& s, D3 n) {
     if (s.kind == ShapeKind::plane)
         return norm(cross(n, s.axes[1])) < 1e-6 && dot(n, s.axes[1]) > 0
@@ -97,7 +97,7 @@ inline double surface_distance(const Placed& s, D3 point) {
     return inside > 0 ? std::sqrt(outside) : inside;
 }
 
-/// From the nearest point of a box to a point outside.
+/// The offset from the nearest point of a box to a point outside.
 inline D3 beyond(const Placed& box, D3 point) {
     const D3 p = box.local(point);
     D3 out{};
@@ -151,8 +151,8 @@ inline double core_distance(const Placed& a, const Placed& b) {
     return std::min({distance(low), distance((low + high) / 2), distance(-b.half.y), distance(b.half.y)});
 }
 
-/// Signed separation of two shapes: the distance of shapes apart, minus the least translation that parts them when
-/// they overlap. Two boxes apart: a lower bound of the distance.
+/// Signed separation of two shapes: the distance if they are apart, minus the least separating translation if they
+/// overlap. For two boxes apart it is a lower bound of the distance.
 inline double separation(const Placed& a, const Placed& b) {
     if (a.kind == ShapeKind::plane) return separation_along(a, b, {0, 1, 0});
     if (a.kind == ShapeKind::box && b.kind == ShapeKind::box) return separating_axis(a, b);
@@ -161,19 +161,19 @@ inline double separation(const Placed& a, const Placed& b) {
     return separating_axis(a, b);
 }
 
-/// What a manifold may be wrong by [m]; the tests state it once.
+/// The tolerances of a manifold [m], shared by all tests.
 struct Tolerance {
     double length = 2e-7;   ///< positions and separations of metre-sized shapes, about three Length steps
     double relative = 5e-8; ///< added for each metre of the shapes' reach
     double normal = 4e-9;   ///< |n| - 1
     double bias = 0.0005;   ///< lockstone::collide::face_bias
-    double sin_min = 0.004; ///< edge axes below it are left to the faces
+    double sin_min = 0.004; ///< below this sine, edge axes are left to the faces
 };
 
-/// How far a shape reaches from its centre; a plane is as large as what it meets.
+/// The reach of a shape from its centre. A plane adds nothing: only the other shape's size counts.
 inline double reach(const Placed& s) { return s.radius + norm(s.half); }
 
-/// What leaving nearly parallel edge axes to the faces can cost: at most their sine times the reach of the boxes.
+/// The error of leaving nearly parallel edge axes to the faces: at most their sine times the reach of the boxes.
 inline double parallel_slack(const Placed& a, const Placed& b, double sin_min) {
     double least = 1;
     for (const D3& e : a.axes)
@@ -184,7 +184,7 @@ inline double parallel_slack(const Placed& a, const Placed& b, double sin_min) {
     return least < sin_min * 1.2 ? 2 * sin_min * (reach(a) + reach(b)) : 0;
 }
 
-/// Whether a manifold point, moved to the two surfaces, lies on them.
+/// Returns an error sentence unless a manifold point, moved to the two surfaces, lies on them.
 inline std::string check_surfaces(const Placed& a, const Placed& b, D3 normal, D3 on_a, D3 on_b,
                                   std::uint32_t k, std::uint32_t count, double tolerance, double bias,
                                   bool apart) {
@@ -192,19 +192,19 @@ inline std::string check_surfaces(const Placed& a, const Placed& b, D3 normal, D
     const bool leans =
         b.kind == ShapeKind::capsule; // a slanted core's ends touch inside of the capsule's side
     double out_a = tolerance, out_b = tolerance;
-    // A face preferred to an edge within the bias lets the point slide sideways past the face a little.
+    // A face that the bias prefers to an edge lets the point slide sideways past the face a little.
     if (a.kind == ShapeKind::box && leans)
         out_a += std::sqrt(2.2 * bias * (b.radius + norm(b.half) + norm(on_b - on_a)));
     if (leans && count == 2)
         out_b += bias; // two points for a core that crosses the line of contact at a small angle
     if (boxes && count == 1) out_a = out_b = 0.05; // the point of clamped edges
-    if (boxes && count > 1 && apart) {             // edges that run along each other, no further beside
+    if (boxes && count > 1 && apart) {             // parallel edges, no further beside
         out_a += 1e-6;
-        out_b += std::sqrt(2.0) * bias; // than two rounds of radius `bias` would
+        out_b += std::sqrt(2.0) * bias; // than two cylinders of radius `bias` would be
     }
     double off_a = surface_distance(a, on_a), off_b = surface_distance(b, on_b);
     if (boxes &&
-        count > 1) { // a corner up to 15 um beyond each of two sides is kept; along the normal it is as exact
+        count > 1) { // a corner up to 15 um beyond each of two sides is kept; along the normal it is exact
         if (off_a > out_a && off_a < 2.2e-5) off_a = std::abs(dot(beyond(a, on_a), normal));
         if (off_b > out_b && off_b < 2.2e-5) off_b = std::abs(dot(beyond(b, on_b), normal));
     }
@@ -215,11 +215,11 @@ inline std::string check_surfaces(const Placed& a, const Placed& b, D3 normal, D
     return why.str();
 }
 
-/// Empty when the manifold is right, else what is wrong with it. Shared by every test and by the planted faults.
-///   - the normal is a unit vector, and the shapes' separation along it is the true one up to the face preference
-///   - overlapping shapes yield a point, shapes further apart than the margin do not
+/// Returns an error sentence unless the manifold is right. All tests and the planted faults use it.
+///   - the normal is a unit vector, and the shapes' separation along it is the true one, except for the face preference
+///   - overlapping shapes have a point, shapes further apart than the margin do not
 ///   - no point is deeper than the separation along the normal, none is beyond the margin
-///   - stepping half the separation against and along the normal leads onto A's and into B's surface
+///   - a step of half the separation against and along the normal ends on A's and B's surface
 inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const RelativePose& pose,
                                   double margin, const Manifold& m, const Tolerance& t = {}) {
     std::ostringstream why;
@@ -241,7 +241,7 @@ inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const 
     if (ga.kind == ShapeKind::box && gb.kind == ShapeKind::box) {
         if (along < truth - slack - length_tolerance || (truth < 0 && along > truth + length_tolerance))
             why << "separation along the normal is " << along << ", the true one " << truth << "; ";
-    } else { // a capsule may hang past the side of a face: what counts is its deepest point
+    } else { // a capsule may extend past the side of a face: only its deepest point counts
         along = truth - slack;
         for (std::uint32_t k = 0; k < std::min(m.count, 4u); ++k)
             deepest = std::min(deepest, as_double(m.points[k].separation));
@@ -274,7 +274,7 @@ inline lockstone::Quat quat_of(D3 axis, double angle) {
     const auto q = [](double x) { return as_fixed<Unit>(x); };
     return {q(v.x), q(v.y), q(v.z), q(std::cos(angle / 2))};
 }
-/// A small generator of its own, so that scenes are the same everywhere.
+/// A generator of this file, so that scenes are equal on all machines.
 class RandomReal {
     std::uint64_t state;
 
@@ -298,7 +298,7 @@ class RandomReal {
             if (const double l = norm(d); l > 0.05 && l < 1) return d * (1 / l);
         }
     }
-    // Two draws in one expression would depend on the compiler's order of evaluation; these have one.
+    // The order of evaluation of two draws in one expression depends on the compiler; these functions fix it.
     D3 vector(double length_min, double length_max) {
         const D3 d = direction();
         return d * uniform(length_min, length_max);
@@ -316,7 +316,7 @@ inline RelativePose pose_of(lockstone::Quat q, D3 position) {
              as_fixed<Coordinate>(position.z)}};
 }
 
-/// A pair of shapes and how one lies to the other.
+/// A pair of shapes and their relative pose.
 struct Scene {
     Geometry a, b;
     RelativePose pose;
@@ -372,7 +372,7 @@ inline Manifold collide_geometries(const Geometry& a, const Geometry& b, const R
                                    lockstone::Length margin) {
     lockstone::collide::NarrowScratch scratch;
     lockstone::collide::Manifolds all;
-    std::memset(static_cast<void*>(&all), 0xa5, sizeof all); // whatever was there must not show
+    std::memset(static_cast<void*>(&all), 0xa5, sizeof all); // earlier content must have no effect
     lockstone::collide::collide({a}, {b}, pose, margin, scratch, all);
     return all.count == 0 ? Manifold{} : all.items[0];
 }

@@ -1,4 +1,4 @@
-// Meshes, height fields and compounds for tests: made from doubles through the bakers, as a game would.
+// Meshes, height fields and compounds for tests: made from doubles by the bakers, as a game makes them.
 #pragma once
 
 #include "collide/narrow_phase.h"
@@ -14,7 +14,7 @@ namespace mesh_scenes {
 using oracle::as_fixed;
 using oracle::D3;
 
-/// A solid and what keeps it alive.
+/// A solid and the objects that it needs.
 struct Owned {
     std::shared_ptr<const lockstone::AssetLibrary> library;
     std::shared_ptr<lockstone::shapes::SolidCache> cache;
@@ -87,8 +87,8 @@ inline lockstone::shapes::Solid primitive(const lockstone::Geometry& geometry) {
     return solid;
 }
 
-/// Counter-clockwise seen from +y, x from `left`, z from `front`; `height(x, z)`; diagonals at random when a seed is
-/// given, inner corners moved sideways at random by up to `jitter` cells.
+/// Counter-clockwise seen from +y, x from `left`, z from `front`; `height(x, z)`. With a seed the diagonals are random.
+/// Inner corners move sideways at random by up to `jitter` cells.
 template <class Height>
 Soup grid(double left, double front, double cell, int columns, int rows, double jitter, std::uint64_t seed,
           Height&& height) {

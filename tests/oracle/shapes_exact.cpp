@@ -15,7 +15,7 @@ using oracle::Big;
 
 namespace {
 
-/// [m^3], and squared gyration radii about the centre; kz is kx but for boxes. All at scale 1.
+/// Volume [m^3] and squared radii of gyration about the centre [m^2]; kz equals kx except for boxes. All at scale 1.
 struct Exact {
     Big volume, kx, ky, kz;
 };
@@ -29,7 +29,7 @@ struct Discs {
         volume = volume + disc, along = along + disc * rho * rho;
         square = square + disc * y * y, first = first + disc * y;
     }
-    /// y = middle + r sin(phi), rho = out + r cos(phi) between two angles: smooth, so Simpson's rule has 1e-11 of it.
+    /// y = middle + r sin(phi), rho = out + r cos(phi) between two angles: smooth, so Simpson's rule is exact to 1e-11.
     void add_arc(Big middle, Big out, Big r, Big from, Big to) {
         constexpr int pieces = 200;
         const Big step = (to - from) / Big(2 * pieces);
@@ -38,7 +38,7 @@ struct Discs {
             add(share * step / Big(3) * r * cos(phi), out + r * cos(phi), middle + r * sin(phi));
         }
     }
-    /// A frustum: a polynomial of degree six at most, so Boole's rule with an error of h^7 over many pieces.
+    /// A frustum: a polynomial of degree six at most, so Boole's rule with an error of h^7 over many pieces is enough.
     void add_frustum(Big y0, Big rho0, Big y1, Big rho1) {
         constexpr int pieces = 32;
         constexpr double weights[] = {7, 32, 12, 32, 7};
@@ -63,7 +63,7 @@ Exact exact_box(const Geometry& g) {
         return Big(8) * e[0] * e[1] * e[2] + Big(8) * r * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]) +
                Big(2) * pi * r * r * (e[0] + e[1] + e[2]) + Big(4) / Big(3) * pi * r * r * r;
     };
-    // The integral of x^2: slices at x are rounded rectangles of area A(s), s the rounding that is left there.
+    // The integral of x^2: slices at x are rounded rectangles of area A(s), where s is the rounding that remains there.
     const auto moment = [&](int i) {
         const Big &a = h[i], &b = h[(i + 1) % 3], &c = h[(i + 2) % 3];
         const Big flat = Big(4) * b * c, line = Big(4) * (b + c);
@@ -109,7 +109,7 @@ Exact exact(const Geometry& g) {
     }
 }
 
-/// How far a value may be off: in steps of its format, and of the value itself.
+/// The tolerance of a value: in steps of its format, and relative to the value.
 struct Bound {
     double steps, relative;
 };
@@ -127,7 +127,7 @@ template <FixedPoint T> bool is_off(T found, const Big& wanted, Bound bound, dou
     return abs(Big(found) - wanted).to_double() > allowed;
 }
 
-/// Empty when the properties and the volume are right to within the bound.
+/// Returns an error sentence unless the properties and the volume are right to within the bound.
 std::string complaint(const Geometry& g, const MassProperties& m, shapes::Scaled volume, Real density) {
     Geometry at_one = g;
     at_one.scale = scale_one;
@@ -140,7 +140,7 @@ std::string complaint(const Geometry& g, const MassProperties& m, shapes::Scaled
     if (is_off(m.gyration_squared.x.x, e.kx * square, bound, factor * factor)) return "x";
     if (is_off(m.gyration_squared.y.y, e.ky * square, bound, factor * factor)) return "y";
     if (is_off(m.gyration_squared.z.z, e.kz * square, bound, factor * factor)) return "z";
-    const bool leans = g.kind == ShapeKind::cone; // its centre is below the middle of its height
+    const bool leans = g.kind == ShapeKind::cone; // a cone's centre is below the middle of its height
     if (m.center.x != Real{} || m.center.z != Real{} || (m.center.y != Real{} && !leans)) return "centre";
     const Matrix3<I20F44>& k = m.gyration_squared;
     for (const I20F44 beside : {k.x.y, k.x.z, k.y.x, k.y.z, k.z.x, k.z.y})
@@ -148,7 +148,7 @@ std::string complaint(const Geometry& g, const MassProperties& m, shapes::Scaled
     Big found(volume.mantissa, 0);
     for (int i = volume.exponent; i != 0; i += i < 0 ? 1 : -1)
         found = i < 0 ? found / Big(2) : found * Big(2);
-    const double step = e.volume < Big(21474) ? 1.2e-15 : 1.2e-10; // half of a Real's, see volume_of
+    const double step = e.volume < Big(21474) ? 1.2e-15 : 1.2e-10; // half a step of a Real, see volume_of
     const double off = abs(found - e.volume * Big(cubed)).to_double();
     if (off > cubed * step + bound.relative * cubed * e.volume.to_double() * 2) return "volume";
     return {};
@@ -158,7 +158,7 @@ std::string complaint(const Geometry& g, Real density) {
     return complaint(g, mass_properties(g, density), shapes::volume_of({.geometry = g}), density);
 }
 
-/// At the limits of the range and anywhere between, by powers of two.
+/// Sizes at the limits of the range and in between, by powers of two.
 Real size(Random& random, Real high) {
     const Real low = to<Real>(shape_size_min);
     if (high <= low) return low;
@@ -166,7 +166,7 @@ Real size(Random& random, Real high) {
     if (which < 2) return which == 0 ? low : high;
     const Real between = which < 4 ? random.range(low, high)
                                    : low + shift_right(high - low, static_cast<int>(random.below(16)));
-    return to<Real>(to<Length>(between)); // as a geometry has it, or sums would leave the range by a step
+    return to<Real>(to<Length>(between)); // as a geometry stores it, or sums would leave the range by a step
 }
 
 Geometry any_primitive(Random& random) {

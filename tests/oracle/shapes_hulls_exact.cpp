@@ -31,7 +31,7 @@ Big dot(const Big3& a, const Big3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] 
 Big length(const Big3& a) { return sqrt(dot(a, a)); }
 Big3 big(const LengthVec3& v) { return {Big(v.x), Big(v.y), Big(v.z)}; }
 
-/// [m^3], [m], [m^2]: about the origin of the coordinates, by the divergence theorem.
+/// Volume [m^3], centre [m] and gyration [m^2] about the origin of the coordinates, by the divergence theorem.
 struct Exact {
     Big volume;
     Big3 center;
@@ -78,7 +78,7 @@ Big exact_rounded_volume(const Hull& hull, const Big& r) {
     }
     for (const auto& [edge, n] : normals) {
         REQUIRE(n.size() == 2);
-        // tan(x / 2) = |m x n| / (|m| |n| + m . n), which is sharp at small angles.
+        // tan(x / 2) = |m x n| / (|m| |n| + m . n), which is precise at small angles.
         const Big angle =
             Big(2) * atan(length(cross(n[0], n[1])) / (length(n[0]) * length(n[1]) + dot(n[0], n[1])));
         const Big3 along = big(hull.vertices[static_cast<std::size_t>(edge.second)]) -
@@ -88,8 +88,8 @@ Big exact_rounded_volume(const Hull& hull, const Big& r) {
     return exact(hull).volume + area * r + wedges * r * r / Big(2) + Big(4) / Big(3) * Big::pi() * r * r * r;
 }
 
-/// Sums of at most 506 triangles in 62 bits, about a point within the hull: 2^-50 of what is summed, and half a step of the
-/// format; gyrations are told in steps of two sums.
+/// Sums of at most 506 triangles in 62 bits, about a point within the hull: 2^-50 of the summed value, and half a step
+/// of the format. A gyration adds two such sums.
 constexpr double relative = 0x1p-50;
 
 template <FixedPoint T> bool is_off(T found, const Big& wanted, double steps, double scale) {
@@ -97,10 +97,10 @@ template <FixedPoint T> bool is_off(T found, const Big& wanted, double steps, do
     return abs(Big(found) - wanted).to_double() > steps * step + relative * scale;
 }
 
-/// Empty when mass at 1 kg/m^3, centre and gyration are right.
+/// Returns an error sentence unless mass at 1 kg/m^3, centre and gyration are right.
 std::string complaint(const Hull& hull, const MassProperties& found) {
     const Exact e = exact(hull);
-    double size = 0; // of the hull, not of its distance from the origin
+    double size = 0; // of the hull, not its distance from the origin
     for (const LengthVec3& v : hull.vertices) size = std::max(size, length(big(v) - e.center).to_double());
     if (is_off(found.mass, e.volume, 0.501, e.volume.to_double())) return "mass";
     for (int i = 0; i < 3; ++i)
@@ -120,7 +120,7 @@ Length coordinate(Random& random, Real middle, Real half_width) {
                           : random.range(middle - half_width, middle + half_width));
 }
 
-/// From the smallest to the largest, flat, long or round, anywhere within 100 m of the origin.
+/// Hulls from the smallest to the largest, flat, long or round, anywhere within 100 m of the origin.
 Result<Hull> any_hull(Random& random) {
     const Real least = to<Real>(shape_size_min), most = to<Real>(shape_size_max);
     Real half_width[3], middle[3];
@@ -157,7 +157,7 @@ TEST_CASE("mass, centre and inertia of hulls of 5 mm to 200 m, flat, long and fa
 }
 
 TEST_CASE("volumes of rounded hulls are right to 4e-9 of themselves") {
-    // Angles between faces have 32 fraction bits, of normals of 30.
+    // Angles between faces have 32 fraction bits; the normals have 30.
     Random random = Random::seeded(12);
     for (int i = 0; i < 400; ++i) {
         const Result<Hull> hull = any_hull(random);

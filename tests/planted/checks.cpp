@@ -1,10 +1,10 @@
-// The checks that planted faults have to be caught by, in one program that holds all faults and has one of them switched on.
+// The checks that must catch planted faults. One program contains all faults, and the command line switches one on.
 //
-//   planted_checks FAULT [CHECK]      FAULT: a number of faults.py's list, from 1; 0: none. CHECK: this one only
+//   planted_checks FAULT [CHECK]      FAULT: a number of faults.py's list, from 1; 0: none. CHECK: runs only this one
 //   planted_checks --list
 //
-// Prints for each check its name as it begins, then "ok" or "FAILED" and where. Exit status 1 when one failed. A check
-// that ends the program has caught something too.
+// Prints for each check its name before it runs, then "ok" or "FAILED" and the place. Exit status 1 when one failed. A
+// check that ends the program has caught the fault, too.
 #include "checks.h"
 #include "planted.h"
 

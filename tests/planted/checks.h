@@ -1,4 +1,4 @@
-// The checks that planted faults have to be caught by, room by room.
+// The checks that must catch planted faults, by subject.
 #pragma once
 
 #include "lockstone/game.h"
@@ -14,19 +14,20 @@ namespace planted {
 using namespace lockstone;
 using namespace lockstone::test;
 
-/// A name, and what it does: returns the first thing that is wrong; empty: nothing.
+/// A name and a function that returns an error sentence, or an empty string.
 using Check = std::function<std::string()>;
 using Checks = std::vector<std::pair<std::string, Check>>;
 
 Checks world_checks();     ///< proofs, the golden table, a world and its state
 Checks shape_checks();     ///< shapes and their manifolds
-Checks motion_checks();    ///< what moves fast, what is far out, the order of contacts, what is torn apart
-Checks thread_checks();    ///< what workers share, and what lanes do
-Checks session_checks();   ///< peers, relays, those who come late
+Checks motion_checks();    ///< fast bodies, bodies far out, the order of contacts, torn joints
+Checks thread_checks();    ///< work that workers share, and lanes
+Checks session_checks();   ///< peers, relays, late joins
 Checks replay_checks();    ///< recordings
 Checks interface_checks(); ///< wrong arguments, files and games
 
-/// The scripted pile of the tests: bodies come and go, commands of all kinds, game columns, events that are counted.
+/// The scripted pile of the tests: bodies are created and destroyed, commands of all kinds, game columns, counted
+/// events.
 class ScriptGame final : public Game {
   public:
     std::string name() const override { return "script"; }

@@ -1,4 +1,5 @@
-// Wrong arguments, files and games at the interface: images of other columns, starts that differ, headers that the format forbids.
+// Wrong arguments, files and games at the interface: images of other columns, starts that differ, headers that the
+// format forbids.
 #include "checks.h"
 #include "lockstone/math/random.h"
 #include "lockstone/prove.h"
@@ -20,7 +21,7 @@ struct Points {
     std::int32_t points;
 };
 template <class V> constexpr void describe(Points& p, V&& v) { v("points", p.points); }
-/// Its rows have the size of Points.
+/// A row with the size of Points.
 struct Goals {
     std::int32_t goals;
 };
@@ -35,7 +36,7 @@ std::string other_fields_refused() {
     return here.can_restore(image).ok() ? "an image with other fields is accepted" : "";
 }
 
-/// Each start has another gravity.
+/// A game whose starts have different gravity.
 struct RestlessGame : SmallGame {
     mutable int starts = 0;
     Result<World> start() const override {
@@ -82,7 +83,7 @@ replay::Header header(replay::Mode mode) {
     return h;
 }
 
-/// A sleeping heap's own state is taken; each of its damaged copies is refused.
+/// A sleeping heap's own state is accepted; each of its damaged copies is refused.
 std::string broken_states_refused() {
     using M = sim::Manifest;
     const World world = lockstone::test::MovingState::make().w.clone();
@@ -109,7 +110,7 @@ std::string broken_states_refused() {
         }))
         return "a body may turn about a point";
     if (takes([&](State& s) {
-            std::map<std::uint32_t, std::vector<std::uint32_t>> rings; // slots, by island
+            std::map<std::uint32_t, std::vector<std::uint32_t>> rings; // slots by island
             for (std::uint32_t i = 0; i < s.count(m.bodies); ++i)
                 if (const sim::BodySleep& b = s.rows(m.body_sleep)[i]; b.next != 0)
                     rings[b.island].push_back(s.rows(m.body_info)[i].id.index);

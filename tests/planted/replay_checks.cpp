@@ -1,4 +1,4 @@
-// Recordings: they verify, and what is damaged or told wrongly is found.
+// Recordings: they verify, and damage or wrong hashes are detected.
 #include "checks.h"
 #include "replay/replay.h"
 
@@ -57,7 +57,7 @@ std::string damaged_recordings() {
     return {};
 }
 
-/// Records a run whose hashes are told wrongly from tick 20 on.
+/// Records a run with wrong hashes from tick 20 on.
 std::string wrong_hash_found() {
     const ScriptGame game;
     replay::MemorySink sink;

@@ -1,4 +1,4 @@
-// Sessions: peers that agree, peers that mean harm, who comes back, relays, what is shown ahead.
+// Sessions: peers that agree, hostile peers, joins, relays, run-ahead.
 #include "checks.h"
 #include "session/event_ledger.h"
 #include "session/inputs/large.h"
@@ -18,8 +18,7 @@ std::string peers_agree() {
         MatchDef def;
         def.link = {.latency_ms = 90, .jitter_ms = 30, .loss_permille = 80};
         def.seed = seed;
-        def.inspected_ticks =
-            0; // images that are kept for reports would stand in for those that were not asked for
+        def.inspected_ticks = 0; // images kept for reports would hide missing save requests
         Match match(def);
         match.run(500);
         if (!match.agree(0, 1) || match.machine(0).timeline.ticks.size() < 200)
@@ -38,7 +37,7 @@ std::string peers_agree() {
     return {};
 }
 
-/// The first scene that goes wrong.
+/// Returns the first error of the scenes.
 std::string first_wrong(const std::vector<HostileScene>& scenes) {
     for (const HostileScene& scene : scenes)
         if (const std::string wrong = scene.run(); !wrong.empty())
@@ -65,7 +64,7 @@ std::string other_ticks_refused() {
     return simulation.adopt_at(4, theirs.save_portable()) ? "a state of another tick is taken" : "";
 }
 
-/// A game's own simulation may tell events in any order, and one twice.
+/// A game's own simulation may report events in any order, and one of them twice.
 std::string unordered_events_are_told_once() {
     const auto event_of = [](std::uint32_t shape) {
         Event e{};

@@ -1,4 +1,4 @@
-// Shapes: what of them is near, and their manifolds.
+// Shapes: queries of their parts near a place, and their manifolds.
 #include "checks.h"
 #include "collide/bounds.h"
 #include "collide/narrow_phase.h"
@@ -10,7 +10,7 @@ namespace planted {
 
 namespace {
 
-/// A ball in a box that reaches 1074 m along its diagonal, asked for with that diagonal as what parted them.
+/// A ball in a box that reaches 1074 m along its diagonal, with that diagonal as the hint of a separating direction.
 std::string hint_of_large_box() {
     const shapes::Solid ball{sphere(1_r)}, cliff{scaled(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
     const Coordinate along = decimal<Coordinate>("57.735");
@@ -54,7 +54,7 @@ shapes::Solid hull_cube(AssetLibrary& library) {
     return {library.geometry(id).value(), library.find(id)->hull.get()};
 }
 
-/// Two cubes that overlap by 1 cm along x and by 2 cm along y, and touched along y in the last tick.
+/// Two cubes that overlap by 1 cm along x and by 2 cm along y. In the last tick they touched along y.
 std::string kept_face_is_nearest() {
     AssetLibrary library;
     const shapes::Solid cube = hull_cube(library);
@@ -69,8 +69,8 @@ std::string kept_face_is_nearest() {
                : "a face is kept though another is nearer";
 }
 
-/// Two cubes 5 mm apart, one on each of the other's six sides, met now and in the tick before: whichever corner is the first, it is not at all
-/// of them.
+/// Two cubes 5 mm apart, on each of the six sides, collided with and without the hint of the last tick. Whichever
+/// corner is the first one, some side does not have it.
 std::string cubes_face_each_other() {
     AssetLibrary library;
     const shapes::Solid cube = hull_cube(library);
@@ -94,7 +94,7 @@ std::string cubes_face_each_other() {
     return "";
 }
 
-/// A cube that lies with an edge across the edge of another one, sunk into it by `deep` and moved along that one's edge [m].
+/// A cube whose edge crosses the edge of another cube, overlapping by `deep` and moved along the other's edge [m].
 std::string kept_edges_are_nearest() {
     AssetLibrary library;
     const shapes::Solid cube = hull_cube(library);
@@ -118,7 +118,8 @@ std::string kept_edges_are_nearest() {
         return "edges that touch are not kept";
     look(0.01_r, 0.6_r, hints);
     if (found.count != 0) return "edges are kept beyond an end of one";
-    // A face at B's edge parts them by 0.60 m, one on either side: whichever of the two is asked for first, it is the other one of one side.
+    // A face at B's edge separates them by 0.60 m, on either side. Whichever of the two sides the code tries first, one
+    // of the cases needs the second.
     for (const Real aside : {0.45_r, Real{} - 0.45_r}) {
         look(0.8_r, aside, hints);
         if (abs(found.items[0].normal.z) < decimal<Unit>("0.5"))
@@ -152,7 +153,7 @@ std::string mesh_is_found() {
     return "";
 }
 
-/// A turned box and a turned capsule, six of each: as many as fill lanes and begin again.
+/// A rotated box and a rotated capsule, six of each: enough to fill the lanes more than once.
 std::string many_have_their_bounds() {
     const Quat turned = from_axis_angle({unit_one, Unit{}, Unit{}}, 0.6_r) *
                         from_axis_angle({Unit{}, Unit{}, unit_one}, 0.4_r);
@@ -185,7 +186,8 @@ std::string many_have_their_bounds() {
     return "";
 }
 
-/// How a body that sinks straight down from one height to another is stopped by a plane, or by a box whose top is there.
+/// Returns whether a sweep lets a body sink from one height to another through a plane, or through a box whose top is
+/// at the plane.
 bool is_let_through(const shapes::Solid& ground, const shapes::Solid& body, Real from, Real to,
                     collide::Held held) {
     const auto at = [](Real y) { return Transform{{0_r, y, 0_r}, Quat::identity()}; };
@@ -197,8 +199,9 @@ bool is_let_through(const shapes::Solid& ground, const shapes::Solid& body, Real
     return collide::stop_fraction(ground, still, body, way, {}, held, scratch) == unit_one;
 }
 
-/// A limb whose centre ends less deep than its inner radius in a plane or a box, in front of its middle, is not stopped where joints hold it; a
-/// limb that would end deeper is, and so is one that nothing holds. A ball that touches at first and sinks in is stopped by its core.
+/// A limb that joints hold passes if its centre ends less deep than its inner radius in a plane, or in a box above its
+/// middle. A deeper end is stopped, and so is a limb without joints. The core stops a ball that touches at first and
+/// sinks in.
 std::string limbs_pass() {
     const shapes::Solid limb{capsule(0.1_r, 0.2_r)}, ball{sphere(0.1_r)}, slab{box(5_r, 1_r, 5_r)},
         board{box(5_r, 0.03_r, 5_r)};

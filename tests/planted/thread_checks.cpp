@@ -1,4 +1,4 @@
-// What workers share, and what lanes do.
+// Work that workers share, and lanes.
 #include "checks.h"
 #include "lanes/checked_lanes.h"
 #include "lockstone/testing.h"
@@ -14,7 +14,7 @@ namespace planted {
 
 namespace {
 
-/// Ticks two worlds that are alike, one of them by a host that does one strand after the other in an order of chance.
+/// Ticks two equal worlds, one of them on a host that runs one strand after the previous one, in random order.
 template <class Advance>
 std::string parts_with_strands(World world, std::uint32_t workers, int ticks, Advance&& advance) {
     ShuffledTasks tasks(workers, workers);
@@ -27,8 +27,8 @@ std::string parts_with_strands(World world, std::uint32_t workers, int ticks, Ad
     return {};
 }
 
-/// Joints that hundreds of others have to wait for; ragdolls whose points come apart while they fall, and are closed; a heap of boxes; a pyramid, which is so deep that
-/// all passes of a tick are one run.
+/// A net of joints in which hundreds wait for others; ragdolls whose points open while they fall, and are closed; a
+/// heap of boxes; a pyramid, which is so deep that all passes of a tick are one run.
 std::string strands_agree() {
     for (const std::uint32_t workers : {2u, 5u})
         if (std::string found = parts_with_strands(net(40), workers, 12, [](World& w) { w.tick(); });
@@ -46,14 +46,14 @@ std::string strands_agree() {
     return {};
 }
 
-/// Towers that do all passes of a tick one tower after the other, and towers that do pass after pass.
+/// Towers that run all passes of a tick tower by tower, and towers that run pass by pass.
 std::string islands_agree() {
     Islands islands = towers(4000), passes = towers(4000);
     add_pendulum(passes.world);
     return first_difference(islands, passes, 16);
 }
 
-/// Planks that are followed, as they turn fast; boxes that lie on them.
+/// Planks that turn fast enough to be followed, with boxes on them.
 std::string instruction_sets_agree() {
     const auto end_of = [](Simd level) {
         const auto game = make_scene("bridge", {.size = 40}).value();
@@ -69,7 +69,7 @@ std::string instruction_sets_agree() {
     return {};
 }
 
-/// Bodies that roll, bounce and are locked, by several workers and instruction sets.
+/// Rolling, bouncing and locked bodies, on several workers and instruction sets.
 std::string heaps_agree() {
     for (const unsigned kind : {features::rolls, features::bounces, features::locks})
         if (std::string found = features::first_difference(200, kind, kind, 40); !found.empty())
@@ -102,7 +102,7 @@ std::string random_worlds_agree() {
     return {};
 }
 
-/// One ContactPacks makes the packs of a column, then those of the same column upside down.
+/// One ContactPacks makes the packs of a column, then those of the reversed column.
 std::string packs_follow_another_order() {
     constexpr std::uint32_t count = 100;
     solve::SolverBodies bodies;
@@ -122,7 +122,7 @@ std::string packs_follow_another_order() {
     return {};
 }
 
-/// Pairs of cars on one movable plate each: the cars of a pair push the same plate.
+/// Pairs of cars, each pair on one movable plate that both push.
 World cars_on_plates(int pairs) {
     WorldDef def = scene::small_def();
     World world = scene::made(World::create(def));
@@ -140,8 +140,8 @@ World cars_on_plates(int pairs) {
     return world;
 }
 
-/// Plans of contacts, joints and vehicles, alone and on workers, tick by tick: a net of joints, figures, a deep pile, towers that are islands, and bodies that roll and
-/// bounce.
+/// Plans of contacts, joints and vehicles, alone and on workers, tick by tick: a net of joints, figures, a deep pile,
+/// cars on plates, rolling and bouncing bodies, and towers that are islands.
 std::string plans_keep_the_order() {
     const auto first_fault = [](World world, int ticks) {
         for (int t = 0; t < ticks; ++t) {
@@ -172,7 +172,7 @@ std::string plans_keep_the_order() {
     return first_fault(towers(2500, 3).world, 12);
 }
 
-/// The plain set of this program records each read of bits of a lane that have no meaning.
+/// The scalar kernels of this program record each read of unspecified bits of a lane.
 std::string lanes_have_meaning() {
     for (const auto& [name, size] :
          {std::pair{"convex-pile", 20u}, std::pair{"ragdolls", 1u}, std::pair{"joint-grid", 0u}}) {

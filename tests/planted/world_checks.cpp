@@ -1,4 +1,5 @@
-// Worlds: what lockstone::prove looks at, the golden table, states and their bytes, events, ids, joints that change, planes.
+// Worlds: the properties of lockstone::prove, the golden table, states and their bytes, events, ids, changing joints,
+// planes.
 #include "../matrix/host.h"
 #include "checks.h"
 #include "lockstone/prove.h"
@@ -18,8 +19,8 @@ namespace planted {
 
 namespace {
 
-/// Balls that are pushed as far as they are apart: what is asked before a tick decides it. So seldom that a rollback meets the
-/// tick at which it was asked last without asking before.
+/// A game that pushes balls by forces in proportion to their distances, which it queries before a tick. It does so
+/// rarely, so that a rollback may run the tick of the last query without an earlier one.
 class AskingGame final : public Game {
   public:
     std::string name() const override { return "asking"; }
@@ -78,7 +79,7 @@ Check proof_check(const std::string& name) {
     };
 }
 
-/// Hashes of a game against the table.
+/// Compares hashes of a game with the table.
 std::string golden_rows(const std::string& name) {
     std::map<std::uint64_t, std::string> wanted;
     std::ifstream file(LOCKSTONE_SOURCE_DIR "/tests/golden/hashes.tsv");
@@ -145,11 +146,11 @@ std::string damaged_snapshots() {
     return {};
 }
 
-/// Rows as a host of the other byte order has them: each leaf reversed. Both have to give one hash, and one image.
+/// Rows with the leaves' bytes reversed, as on a host of the other byte order. Both must give one hash and one image.
 std::string byte_orders() {
     World world = scene::start_script(scene::Scenery::pile);
     for (int i = 0; i < 20; ++i) scene::step_script(world);
-    constexpr std::size_t least = 20'000; // a column's bytes: some buffers full, which are of 4096
+    constexpr std::size_t least = 20'000; // bytes of a column: several full buffers of 4096
     constexpr std::endian other =
         std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
     for (std::uint32_t c = 0; c < world.state().layout().columns().size(); ++c) {
@@ -207,11 +208,11 @@ std::string dead_ids() {
     return world.is_alive(second) ? "" : "a new id is dead";
 }
 
-/// So many balls in one place that not all pairs are looked at, or even listed; later they part.
+/// So many balls in one place that the broad phase skips or even does not list some pairs. Later the balls part.
 std::string crowds_agree() {
     WorldDef def = scene::small_def();
     def.bodies_max = def.shapes_max = 400;
-    def.contacts_max = 100; // so 1,224 pairs are looked at, and 9,792 may be listed
+    def.contacts_max = 100; // so it visits 1,224 pairs, and may list 9,792
     World world = scene::made(World::create(def)), other = scene::made(World::create(def));
     scene::add_floor(world);
     Image image;
@@ -229,7 +230,7 @@ std::string crowds_agree() {
     return world.faults().contacts_dropped > 0 ? "" : "nothing was dropped";
 }
 
-/// A table that grows moves the pages of the one behind it; what was known of them goes along.
+/// A table that grows moves the pages of the next table, and the cached data about these pages.
 std::string pages_move() {
     constexpr std::uint32_t most = 4096;
     struct Pair {
@@ -258,7 +259,7 @@ std::string pages_move() {
     return grows.state.hash() == has_all.state.hash() ? "" : "a table that grew has another hash";
 }
 
-/// A world that takes memory as bodies come, and one that had it before; and back over what grew.
+/// A world whose memory grows with its bodies, and one that reserved it; then both roll back past the growth.
 std::string grows() {
     if (std::string found = pages_move(); !found.empty()) return found;
     const auto start = [] {
@@ -270,7 +271,7 @@ std::string grows() {
     };
     const auto step = [](World& world) {
         const int i = static_cast<int>(world.tick_count());
-        for (int k = 0; k < 8; ++k) // in the end several pages of each column
+        for (int k = 0; k < 8; ++k) // several pages of each column at the end
             scene::add_crate(world, scene::at(1.1 * k - 4, 0.5 + i / 4, 1.2 * (i % 4)));
         world.tick();
     };
@@ -301,7 +302,7 @@ std::string late_points() {
     return scene::points_of_sleepers_difference(400);
 }
 
-/// Two shapes that are alike share a row; what is said to one is not said to the other.
+/// Two equal shapes share a row of traits. A change of one must not change the other.
 std::string alike_shapes() {
     World world = World::create({}).value();
     const BodyId body = world.create_body({.kind = BodyKind::static_}).value();
@@ -313,13 +314,13 @@ std::string alike_shapes() {
     return world.shape(one).friction == 0.125_r ? "" : "a shape has not the friction that it was given";
 }
 
-/// Beside a world whose memory is overwritten before every tick, one in which joints and bodies change goes the same way.
+/// Joints and bodies of a world change. A copy whose memory is overwritten before every tick must have equal states.
 std::string joints_planned() {
     const ChainRun run = run_chains(100);
     return run.parted_at < 0 ? "" : "they part at tick " + std::to_string(run.parted_at);
 }
 
-/// Two balls that overlap touch, but not while a joint holds them.
+/// Two overlapping balls have contacts, except while a joint connects them.
 std::string joints_part() {
     World world = scene::made(World::create(scene::small_def()));
     JointDef def = ball_joint();
@@ -335,7 +336,7 @@ std::string joints_part() {
     return world.contacts().empty() ? "they do not touch after the joint is gone" : "";
 }
 
-/// Two balls that overlap touch, but not while a filter parts them.
+/// Two overlapping balls have contacts, except while a filter separates them.
 std::string filters_part() {
     World world = scene::made(World::create(scene::small_def()));
     const BodyId a = scene::add_ball(world, scene::at(0, 5, 0), 0.5),
@@ -385,7 +386,7 @@ struct Ring {
         }
     }
     void hit(Real speed) const { scene::done(world.set_velocity(bodies[3], {speed, speed, 0_r}, Vec3{})); }
-    /// The largest part of a gap along an axis.
+    /// The widest gap along an axis.
     Real widest() const {
         Real out{};
         for (const JointDef& def : joints) {
@@ -397,8 +398,9 @@ struct Ring {
     }
 };
 
-/// Long boxes in a ring turn about its middle, by more than 1 / 16 rad in a tick: the ring keeps together, and its spin. A joint gives by
-/// 1 mm under the 102 m/s^2 of a box, twice that as the ring begins to turn, and the boxes, which lie askew, may twist by as much again.
+/// Long boxes in a ring turn about its middle by more than 1 / 16 rad in a tick: the ring keeps together and keeps its
+/// spin. A joint deflects by 1 mm under the 102 m/s^2 of a box, by twice that as the ring starts to turn, and the
+/// slanted boxes may twist by as much again.
 std::string rings_spin() {
     World w = scene::made(World::create({.gravity = {}, .sleeping = 0}));
     constexpr Real spin = 12_r;
@@ -417,7 +419,7 @@ std::string rings_spin() {
     return abs(w.angular_velocity(ring.bodies[0]).z - spin) > 0.25_r ? "the ring spins at another speed" : "";
 }
 
-/// One ball of a ring is hit: after the tick the ring is closed, and as fast as it was.
+/// One ball of a ring is hit: after the tick the ring is closed and keeps its momentum.
 std::string open_points_close() {
     World w = scene::made(World::create({.gravity = {}, .sleeping = 0}));
     const Ring ring(w, Vec3{}, {.geometry = sphere(0.3_r)});
@@ -429,7 +431,7 @@ std::string open_points_close() {
     return length(sum - Vec3{10_r, 10_r, 0_r}) > 0.1_r ? "the ring has another speed" : "";
 }
 
-/// A ring that is hit and closed moves nothing of another one, which is open by less.
+/// A ring that is hit and closed does not move another ring, which is open by less.
 std::string whole_figures_stay() {
     std::vector<Transform> poses[2];
     for (const bool is_hit : {false, true}) {
@@ -444,7 +446,8 @@ std::string whole_figures_stay() {
     return poses[0] == poses[1] ? "" : "another figure moves";
 }
 
-/// A net of 4 x 60 balls hangs from the ends of its top row, which its weight keeps open by more than 8 mm: it comes to rest.
+/// A net of 4 x 60 balls hangs from the ends of its top row. Its weight keeps that row open by more than 8 mm, and the
+/// net comes to rest.
 std::string loads_keep_open() {
     constexpr int width = 4, height = 60;
     World w = scene::made(World::create({.sleeping = 0}));
@@ -471,7 +474,7 @@ std::string loads_keep_open() {
     return {};
 }
 
-/// A rod of twice `half` on a hinge of the world, about x through a point of it, its middle or `lever` below that.
+/// A rod of twice `half`, hinged to the world about x at its middle or `lever` below it.
 World hinged_rod(Quat frame, Vec3 spin, Real limit, Vec3 gravity = {}, Real lever = {}, Real half = 0.5_r) {
     World w = scene::made(World::create({.gravity = gravity, .sleeping = 0}));
     const BodyId rod = scene::made(w.create_body({.kind = BodyKind::dynamic}));
@@ -487,7 +490,7 @@ World hinged_rod(Quat frame, Vec3 spin, Real limit, Vec3 gravity = {}, Real leve
     return w;
 }
 
-/// Whether the rod ever turns by more than `beyond` beyond its limit of a radian.
+/// Returns whether the rod ever passes its limit of a radian by more than `beyond`.
 bool passes_limit(World world, int ticks, Real beyond = 0.02_r) {
     for (int tick = 0; tick < ticks; ++tick) {
         world.tick();
@@ -499,7 +502,8 @@ bool passes_limit(World world, int ticks, Real beyond = 0.02_r) {
 
 constexpr Vec3 sideways{Real{}, Real{}, -10_r}; ///< gravity across rods
 
-/// A crate on a ball joint beyond a small weight, which falls onto the limits of its hinge a metre away: how fast the crate ever is.
+/// A crate on a ball joint beyond a small weight, which falls onto the limits of its hinge a metre away. Returns the
+/// crate's greatest speed.
 Real speed_of_flail() {
     World w = hinged_rod(Quat::identity(), Vec3{}, 1_r, sideways, 1_r, 0.1_r);
     const BodyId rod = w.bodies()[0], crate = scene::add(w, {.pose = scene::at(0, 1.3, 0)},
@@ -512,8 +516,8 @@ Real speed_of_flail() {
     return most;
 }
 
-/// A hinge that spins at 20 rad/s stops at its limits, what falls onto them too, and gains no speed; one whose axes begin 170 degrees apart
-/// brings them together.
+/// A hinge with a spin of 20 rad/s stops at its limits, and so do falling weights, without a gain of speed. A hinge
+/// whose axes begin 170 degrees apart aligns them.
 std::string hinges_hold() {
     if (passes_limit(hinged_rod(Quat::identity(), {20_r, 0_r, 0_r}, 1_r), 60))
         return "a hinge passes its limit";

@@ -1,4 +1,4 @@
-// A wave of a thousand dominoes, and what its speed should be.
+// A wave of a thousand dominoes, and its theoretical speed.
 #include "quality/row.h"
 
 #include <algorithm>
@@ -11,12 +11,13 @@ struct Dominoes {
     double height = 1, thickness = 0.12, pitch = 0.45, friction = 0.25;
 };
 
-/// The wave when dominoes turn about their lower front edges, lean on each other once they were hit, and rub.
+/// The wave of dominoes that turn about their lower front edges, lean on each other after a hit, and slide with
+/// friction.
 /// source: van Leeuwen, The domino effect, American Journal of Physics 78, 2010. Here with all leaning dominoes solved.
 ///
-/// Domino 0 is the foremost that moves, 1 leans on it, and so on; t their angles from upright.
+/// Domino 0 is the foremost moving one, 1 leans on it, and so on; t: their angles from upright.
 ///   h sin(t[k+1] - t[k]) = pitch cos t[k] - d                               corner k+1 on the back of k
-///   arm of the force on the one that is hit a = h cos(t[k+1] - t[k]) - pitch sin t[k] - mu d, on the other b
+///   arm of the force on the domino in front: a = h cos(t[k+1] - t[k]) - pitch sin t[k] - mu d; on the one behind: b
 class Wave {
   public:
     explicit Wave(Dominoes given) : d(given), angles(1, 0.0) {}
@@ -33,7 +34,7 @@ class Wave {
     }
 
   private:
-    static constexpr std::size_t most = 40; ///< leaning dominoes that are followed; those behind hardly move
+    static constexpr std::size_t most = 40; ///< leaning dominoes in the model; those behind hardly move
     static constexpr double g = 9.81;
 
     double inertia() const { return (d.height * d.height + d.thickness * d.thickness) / 3; } // per mass
@@ -62,8 +63,8 @@ class Wave {
         }
     }
 
-    /// A sum from the hindmost forwards: what each hands on is (load - inertia * (gain x + offset)) / b.
-    /// Returns the x with which the foremost keeps the balance.
+    /// A sum from the last domino forwards: each passes on (load - inertia * (gain x + offset)) / b.
+    /// Returns the x for which the foremost domino is in balance.
     template <class Load> double balance(Load load) const {
         double base = 0, slope = 0; // force on domino k = base + slope x
         for (std::size_t k = angles.size() - 1; k > 0; --k) {
@@ -85,7 +86,7 @@ class Wave {
         });
     }
 
-    /// From upright until the foremost touches the next; returns the time.
+    /// From upright until the foremost one touches the next. Returns the time.
     double fall() {
         constexpr double h = 1e-5;
         const double touch = std::asin((d.pitch - d.thickness) / d.height);
@@ -100,7 +101,7 @@ class Wave {
         return time;
     }
 
-    /// The next one is hit, without bounce.
+    /// The foremost one hits the next, without a bounce.
     void strike() {
         std::vector<double> before{0};
         for (double f : first) before.push_back(f * rate);
@@ -118,7 +119,7 @@ Body domino(const Dominoes& d, double x) {
     return solid(box({d.thickness / 2, d.height / 2, 0.25}), {x, d.height / 2, 0}, 600, d.friction);
 }
 
-/// Feet hold fast: the friction of a pair is the geometric mean.
+/// Feet do not slip, because the friction of a pair is the geometric mean.
 Scene domino_scene(const Dominoes& d, int count, const Plan& plan) {
     Scene scene;
     scene.add(ground(0.81 / d.friction));
@@ -134,8 +135,8 @@ Scene domino_scene(const Dominoes& d, int count, const Plan& plan) {
     return scene;
 }
 
-/// How many stay upright, how many fall before their turn, and the speed of the wave. Planted: a gap; one that falls of
-/// its own; rougher dominoes.
+/// How many stay upright, how many fall too early, and the speed of the wave. Planted: a gap; one that falls alone;
+/// rougher dominoes.
 Figures run_dominoes(const Contestant& contestant, const Plan& plan) {
     const Dominoes right;
     Dominoes used = right;

@@ -1,4 +1,4 @@
-// Bodies that nothing touches: spin about an unstable axis, nutation, orbits.
+// Free bodies: spin about an unstable axis, nutation, orbits.
 #include "quality/row.h"
 
 #include <algorithm>
@@ -9,12 +9,12 @@ namespace {
 
 // ---- spin --------------------------------------------------------------------------------------------------------
 
-/// Free rotation in the body's axes by a fourth-order method: what a spinning body should do.
+/// Free rotation in the body's axes by a fourth-order method: the reference for a spinning body.
 class EulerTop {
   public:
     EulerTop(V3 moments, V3 spin) : inertia(moments), w(spin) {}
 
-    /// How often the spin about y turned its sign within `time` [s].
+    /// How often the spin about y changed its sign within `time` [s].
     int flips(double time) {
         constexpr double h = 1e-3;
         int count = 0;
@@ -38,7 +38,8 @@ class EulerTop {
     V3 inertia, w;
 };
 
-/// A box that spins about its middle axis and turns over again and again. Planted: a spin that is 5 % off, or aside.
+/// A box that spins about its middle axis and flips repeatedly. Planted: a spin that is 5 % off, or in another
+/// direction.
 Figures run_flip(const Contestant& contestant, const Plan& plan) {
     const int seconds = plan.quick ? 60 : 600;
     const V3 spin{0.6, 6, 0.6};
@@ -70,8 +71,8 @@ Figures run_flip(const Contestant& contestant, const Plan& plan) {
             engine->seconds_per_tick()};
 }
 
-/// A disc that wobbles: its axis goes round its angular momentum at |L| / (moment across). Planted: 1 %
-/// faster and a third flatter.
+/// A disc that wobbles: its axis rotates about its angular momentum at |L| / (moment across). Planted: 1 % faster and a
+/// third flatter.
 Figures run_wobble(const Contestant& contestant, const Plan& plan) {
     const int seconds = plan.quick ? 60 : 600;
     const Shape right = cylinder(0.3, 0.05), wrong = cylinder(0.3, 0.03);
@@ -142,7 +143,7 @@ Figures run_orbit(const Contestant& contestant, const Plan& plan) {
         worst = std::max(worst, std::abs(energy(scene, *engine) / expected - 1));
         const State s = engine->state(0);
         const double radial = dot(s.position, s.velocity);
-        if (last_radial < 0 && radial >= 0) { // nearest between this tick and the last
+        if (last_radial < 0 && radial >= 0) { // the nearest point is between the last tick and this one
             last_time = (tick - radial / (radial - last_radial)) / contestant.rate;
             if (passes++ == 0) first_time = last_time;
         }
@@ -166,8 +167,8 @@ Row orbit_row(const char* name, Scheme scheme, double energy_bound, double perio
             }};
 }
 
-/// Position after 2.8 s against Kepler's equation, at two rates: the order in which the error falls, off what the
-/// method promises. Planted: the orbit is another one, so that the error does not fall.
+/// Position after 2.8 s against Kepler's equation, at two rates. The figure is the difference of the error's order from
+/// that of the method. Planted: another orbit, so that the error does not decrease.
 Figures run_orders(const Contestant& contestant, const Plan& plan) {
     if (contestant.product != Product::lockstone) return {};
     const Orbit orbit{0.3};

@@ -1,4 +1,4 @@
-// Joints: how far a chain stretches, a bridge sags; pendulum, motors, limits and a top against closed forms.
+// Joints: the stretch of a chain, the sag of a bridge; pendulum, motors, limits and a top against closed forms.
 #include "engines/pieces.h"
 #include "quality/row.h"
 
@@ -24,7 +24,7 @@ double gap_most(const Scene& scene, const Engine& engine) {
 
 // ---- wrecking ball -----------------------------------------------------------------------------------------------
 
-/// Thirty links of 1 kg and a ball of 1000 kg, let go at 45 degrees. Planted: a joint in the middle is missing.
+/// Thirty links of 1 kg and a ball of 1000 kg, released at 45 degrees. Planted: a joint in the middle is missing.
 Figures run_chain(const Contestant& contestant, const Plan& plan) {
     constexpr int links = 30;
     constexpr double pitch = 0.5, radius = 0.6;
@@ -57,7 +57,7 @@ Figures run_chain(const Contestant& contestant, const Plan& plan) {
 
 // ---- bridge ------------------------------------------------------------------------------------------------------
 
-/// a of the catenary y = a cosh(x / a) of this length between two points of equal height.
+/// The parameter a of the catenary y = a cosh(x / a) of this length between two points of equal height.
 double catenary(double span, double size) {
     double low = span / 20, high = span * 100;
     for (int i = 0; i < 200; ++i) {
@@ -67,8 +67,8 @@ double catenary(double span, double size) {
     return low;
 }
 
-/// Planks on a rope bridge, hinged to each other and to both banks, started in the shape they should keep. Planted: the
-/// banks are 2 % nearer than the measure thinks; a hinge is missing.
+/// Planks of a rope bridge, hinged to each other and to both banks, started in their final shape. Planted: the banks
+/// are 2 % nearer than the measure assumes; a hinge is missing.
 Figures run_bridge(const Contestant& contestant, const Plan& plan) {
     const int planks = plan.quick ? 40 : 200;
     constexpr double pitch = 0.5;
@@ -119,7 +119,7 @@ struct Swing {
     double period, kept; ///< [s]; last amplitude over the first
 };
 
-/// It is let go at `from`, and should be at `amplitude`.
+/// A pendulum released at `from`; its amplitude should be `amplitude`.
 Swing swing(const Contestant& contestant, double amplitude, double from, double arm, int ticks,
             double& tick_time) {
     Scene scene;
@@ -146,8 +146,8 @@ Swing swing(const Contestant& contestant, double amplitude, double from, double 
     return {passes < 2 ? 0 : (last_pass - first_pass) / (passes - 1), most / amplitude};
 }
 
-/// Periods at three amplitudes, and how much of the widest swing is left. Planted: an arm that is 2 % longer, a
-/// swing from elsewhere.
+/// Periods at three amplitudes, and the remainder of the widest swing. Planted: an arm that is 2 % longer, a swing from
+/// another angle.
 Figures run_pendulum(const Contestant& contestant, const Plan& plan) {
     constexpr double arm = 1;
     const double used = plan.planted >= 0 ? arm * 1.02 : arm;
@@ -169,8 +169,8 @@ Figures run_pendulum(const Contestant& contestant, const Plan& plan) {
 
 // ---- motors and limits -------------------------------------------------------------------------------------------
 
-/// An arm that a motor turns against gravity, a lift that a motor raises, the same two lying on their limits. Planted:
-/// motors too weak; limits elsewhere.
+/// An arm that a motor turns against gravity, a lift that a motor raises, and both at their limits. Planted: motors too
+/// weak; limits elsewhere.
 Figures run_motor(const Contestant& contestant, const Plan& plan) {
     const bool weak = plan.planted == 0 || plan.planted == 1, elsewhere = plan.planted >= 2;
     constexpr double turn_speed = 2, lift_speed = 0.5, turn_limit = pi / 6, lift_limit = 0.4;
@@ -215,7 +215,7 @@ Figures run_motor(const Contestant& contestant, const Plan& plan) {
 /// moments I about the pivot and J about its axis, s the spin along its axis: I cos t W^2 - J s W + m g l = 0. Planted:
 /// it spins 30 % slower.
 Figures run_top(const Contestant& contestant, const Plan& plan) {
-    constexpr double arm = 0.1, tilt = pi / 3, mass = 2, own = 30; // spin about its axis, in all [rad/s]
+    constexpr double arm = 0.1, tilt = pi / 3, mass = 2, own = 30; // total spin about its axis [rad/s]
     const int seconds = plan.quick ? 10 : 60;
     const Shape disc = cylinder(0.2, 0.02);
     const V3 moments = solid_of(disc).inertia * mass;
@@ -248,12 +248,12 @@ Figures run_top(const Contestant& contestant, const Plan& plan) {
 
 // ---- ragdolls ----------------------------------------------------------------------------------------------------
 
-/// Ragdolls fall on each other: when the last of them lies still [s], and the widest joint then [mm].
+/// Ragdolls fall on each other. Returns the time when the last one comes to rest [s], and the widest joint then [mm].
 std::pair<double, double> rest_of_ragdolls(const Contestant& contestant, const Plan& plan, int heap,
                                            double& tick_time) {
     Scene scene;
     scene.add(ground(0.7));
-    const int count = plan.quick ? 4 : 12; // the head of one of three hangs free, and swings on
+    const int count = plan.quick ? 4 : 12; // the head of every third hangs free and keeps swinging
     for (int i = 0; i < count; ++i)
         add_ragdoll(scene, {0.3 * (i % 3 - 1), 0.5 + 2 * i, (0.2 + 0.01 * heap) * (i % 2)});
     for (Body& body : scene.bodies) body.friction = 0.7, body.rolling_resistance = 0.01;
@@ -283,9 +283,9 @@ double middle_of(std::vector<double> figures) {
     return *middle;
 }
 
-/// The middle of nine heaps, in each of which every second ragdoll falls a centimetre further aside: which limb is wedged between others, and its joint held open
-/// by them, a rounding decides. Joints have no friction, but limbs do not roll for ever. Planted: no friction and everything
-/// bounces; a joint that is not there.
+/// The median of nine heaps; in each heap every second ragdoll falls a centimetre further to the side. Rounding decides
+/// which limb is wedged between others, so that they hold its joint open. Joints have no friction, but limbs have
+/// rolling resistance. Planted: no friction and high restitution; a missing joint.
 Figures run_ragdolls(const Contestant& contestant, const Plan& plan) {
     std::vector<double> rests, gaps;
     double tick_time = 0;

@@ -1,4 +1,4 @@
-// quality: every row in every engine, beside each other, as one table. See README.md.
+// quality: runs every row in every engine and prints one table. See README.md.
 #include "lockstone/world.h"
 #include "quality/row.h"
 
@@ -88,7 +88,7 @@ std::vector<Row> chosen_rows(const Options& o) {
     return all;
 }
 
-/// Runs a row in a process of its own: an engine that aborts takes only its figures along, and says so.
+/// Runs a row in its own process: an engine that aborts loses only its figures and reports that.
 Figures run_apart(const Row& row, const Contestant& contestant, const Plan& plan) {
     int ends[2];
     if (pipe(ends) != 0) refuse("no pipe");
@@ -125,14 +125,14 @@ std::vector<Contestant> chosen_contestants(const Options& o) {
     return all;
 }
 
-/// Lockstone as the row asks for it, unless its substeps were chosen by hand.
+/// Lockstone with the row's substeps, unless the command line chose them.
 std::vector<Contestant> contestants_of(const Row& row, const Options& o) {
     std::vector<Contestant> all = chosen_contestants(o);
     if (row.precise && o.substeps == 0) all[0].substeps = precise_substeps;
     return all;
 }
 
-/// Against the peers as they come. What is under a tenth of the bound is as good as 0, and 5 % is noise.
+/// Compares with the other engines at their defaults. A value below a tenth of the bound counts as 0, and 5 % is noise.
 std::string verdict(const Value& value, std::size_t index, const std::vector<Contestant>& who,
                     const std::vector<Figures>& all) {
     const double ours = all[0].values[index];
@@ -165,7 +165,7 @@ void print_header(const std::vector<Contestant>& who) {
     std::printf("  verdict\n");
 }
 
-/// Returns whether all is good.
+/// Returns whether all values are within their bounds.
 bool print_row(const Row& row, const std::vector<Contestant>& who, const std::vector<Figures>& all) {
     bool good = true;
     for (std::size_t i = 0; i < row.values.size(); ++i) {
@@ -233,7 +233,7 @@ int run_table(const Options& o) {
     return good ? 0 : 1;
 }
 
-/// Each figure of each row once, with something wrong in the scene that it has to show.
+/// Runs each figure of each row once with a planted error that the figure must show.
 int run_planted(const Options& o) {
     bool good = true;
     for (const Row& row : chosen_rows(o)) {

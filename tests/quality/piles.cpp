@@ -1,4 +1,4 @@
-// Many bodies in a closed box: how soon a pile rests, how deep it overlaps, whether energy appears from nowhere.
+// Many bodies in a closed box: the time to rest, the overlap, and energy gains.
 #include "engines/pieces.h"
 #include "quality/row.h"
 
@@ -52,7 +52,7 @@ double fastest(const Scene& scene, const Engine& engine) {
     return most;
 }
 
-/// The deepest that a box reaches into the floor or a wall [m].
+/// The deepest overlap of a box with the floor or a wall [m].
 double pile_overlap(const Scene& scene, const Engine& engine) {
     double most = 0;
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -70,12 +70,12 @@ double pile_overlap(const Scene& scene, const Engine& engine) {
     return most;
 }
 
-/// A pile that is dropped: how long until nothing moves faster than 0.1 m/s any more, and the deepest overlap with a wall
+/// Drops a pile. Returns the time until all bodies are slower than 0.1 m/s [s], and the deepest overlap with a wall
 /// then [mm].
 std::pair<double, double> rest_of_pile(const Contestant& contestant, const Plan& plan, std::uint64_t seed,
                                        double& tick_time) {
     Scene scene = pile_scene(plan.quick ? 4 : 16, 0, seed);
-    scene.sleeping = true; // as in a game: a heap on the brink goes over in minutes or never
+    scene.sleeping = true; // as in a game: a heap near its tipping point falls in minutes or never
     if (plan.plants(0))
         for (Body& body : scene.bodies) body.restitution = 0.98, body.friction = 0;
     if (plan.plants(1))
@@ -92,8 +92,8 @@ std::pair<double, double> rest_of_pile(const Contestant& contestant, const Plan&
     return {rest / static_cast<double>(contestant.rate), pile_overlap(scene, *engine) * 1e3};
 }
 
-/// The middle of nine piles, for one that is wedged on the brink decides by a rounding when it slips, and the deepest
-/// overlap of all. Planted: everything bounces; everything starts within the floor.
+/// The median of nine piles, because rounding decides when a pile near its tipping point slips, and the deepest overlap
+/// of all. Planted: high restitution; a start within the floor.
 Figures run_pile(const Contestant& contestant, const Plan& plan) {
     std::vector<double> rests;
     double overlap = 0, tick_time = 0;
@@ -106,7 +106,7 @@ Figures run_pile(const Contestant& contestant, const Plan& plan) {
     return {{rests[rests.size() / 2], overlap}, tick_time};
 }
 
-/// How far energy rises above what it was before, of what it was at first [%].
+/// The greatest rise of the energy above an earlier value, relative to the initial energy [%].
 double energy_rise(const Contestant& contestant, const Scene& scene, double floor, int ticks,
                    double& tick_time) {
     const auto engine = make_engine(contestant, scene);
@@ -122,7 +122,7 @@ double energy_rise(const Contestant& contestant, const Scene& scene, double floo
     return rise / first * 100;
 }
 
-/// Balls that fly about a closed box without gravity.
+/// Balls that fly in a closed box without gravity.
 Scene gas_scene(double restitution) {
     Random random(11);
     Scene scene;
@@ -138,7 +138,7 @@ Scene gas_scene(double restitution) {
     return scene;
 }
 
-/// A pile that is dropped, one that bounces, and a gas of elastic balls. Planted: a floor that runs like a belt.
+/// A dropped pile, a bouncing one, and a gas of elastic balls. Planted: a floor that moves like a belt.
 Figures run_energy(const Contestant& contestant, const Plan& plan) {
     Figures figures{{}, 0};
     const int ticks = plan.quick ? 240 : 600, layers = plan.quick ? 3 : 8;

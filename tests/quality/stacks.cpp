@@ -1,4 +1,4 @@
-// What has to stand: pyramid, tower, heavy on light, house of cards, arch.
+// Structures that must stand: pyramid, tower, heavy on light, house of cards, arch.
 #include "engines/pieces.h"
 #include "quality/row.h"
 
@@ -43,7 +43,7 @@ Figures run_pyramid(const Contestant& contestant, const Plan& plan) {
 
 // ---- tower -------------------------------------------------------------------------------------------------------
 
-/// The deepest overlap of upright bodies that stand on each other, bottom first, above y = 0 [m].
+/// The deepest overlap of upright bodies in a stack, listed from the bottom, above y = 0 [m].
 double deepest_overlap(const Scene& scene, const Engine& engine) {
     double below = 0, most = 0;
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -94,8 +94,8 @@ Figures run_heavy_on_light(const Contestant& contestant, const Plan& plan) {
 
 // ---- house of cards ----------------------------------------------------------------------------------------------
 
-/// Cards of thickness t and height h, two of them leaning at 25 degrees to a tent, tents side by side, cards flat on
-/// top, and the next row of tents on these. Edges meet exactly.
+/// Cards of thickness t and height h. Two cards lean at 25 degrees to form a tent; tents are side by side, flat cards
+/// are on top, and the next row of tents is on these. Edges meet exactly.
 Scene card_scene(int levels, double friction) {
     constexpr double t = 0.02, h = 0.5, width = 0.4, gap = 0.002;
     const double a = radians(25), s = std::sin(a), c = std::cos(a);
@@ -133,14 +133,14 @@ Figures run_cards(const Contestant& contestant, const Plan& plan) {
 
 // ---- arch --------------------------------------------------------------------------------------------------------
 
-/// A stone between two radii and two angles [rad] from the x axis.
+/// A stone between two radii and two angles from the x axis [rad].
 Body voussoir(double inner, double outer, double from, double to, double depth) {
     Shape hull{.kind = Kind::hull};
     for (const double z : {-depth / 2, depth / 2})
         for (const auto& [r, angle] : {std::pair{inner, from}, {outer, from}, {outer, to}, {inner, to}})
             hull.points.push_back({r * std::cos(angle), r * std::sin(angle), z});
     hull.faces = {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-    // About axes along its own middle radius, so that products of inertia vanish.
+    // The axes follow the stone's middle radius, so that products of inertia vanish.
     const double middle = (from + to) / 2;
     const Turn turn = about({0, 0, 1}, middle);
     for (V3& p : hull.points) p = rotate_inverse(turn, p);
@@ -151,7 +151,7 @@ Body voussoir(double inner, double outer, double from, double to, double depth) 
 }
 
 /// A semicircle of stones on two fixed ones. source: Heyman, The Stone Skeleton, 1995: it stands when its thickness is
-/// more than 0.1075 of the middle radius. Planted: thinner than that.
+/// more than 0.1075 of the middle radius. Planted: a smaller thickness.
 Scene arch_scene(int stones, double thickness) {
     constexpr double radius = 5, depth = 2, foot = 0.2; // angle of a springer below the horizontal [rad]
     const double inner = radius - thickness / 2, outer = radius + thickness / 2, step = pi / stones;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double g = 9.81;
 
-/// Gravity as on an incline of this angle [rad] that falls towards `direction` (a horizontal unit vector).
+/// Gravity on an incline of this angle [rad] that falls towards `direction` (a horizontal unit vector).
 V3 incline(double angle, V3 direction) {
     return direction * (g * std::sin(angle)) + V3{0, -g * std::cos(angle), 0};
 }
@@ -18,7 +18,7 @@ double relative_error(double found, double expected) { return std::abs(found / e
 
 // ---- rolling -----------------------------------------------------------------------------------------------------
 
-/// A ball starts to roll down 20 degrees; planted: it slips, as friction is below 2/7 tan a.
+/// A ball starts to roll down 20 degrees. Planted: it slips, because friction is below 2/7 tan a.
 Figures run_roll(const Contestant& contestant, const Plan& plan) {
     constexpr double angle = 20.0 / 180 * pi, radius = 0.5;
     const int ticks = 120;
@@ -38,7 +38,7 @@ Figures run_roll(const Contestant& contestant, const Plan& plan) {
 
 // ---- friction ----------------------------------------------------------------------------------------------------
 
-/// Whether a box that lies still comes to slide; it has two seconds to move 10 mm.
+/// Returns whether a box at rest starts to slide, by 10 mm within two seconds.
 bool slides(const Contestant& contestant, double friction, double angle, V3 direction, double& tick_time) {
     Scene scene;
     scene.gravity = incline(angle, direction);
@@ -52,7 +52,8 @@ bool slides(const Contestant& contestant, double friction, double angle, V3 dire
     return length(engine->state(crate).position - before) > 0.01;
 }
 
-/// The angle at which a box starts to slide, by bisection, off atan(friction): the worst over coefficients [degrees].
+/// The error of the angle at which a box starts to slide, by bisection, against atan(friction): the largest over
+/// coefficients [degrees].
 double slide_angle_error(const Contestant& contestant, const Plan& plan, V3 direction, double& tick_time) {
     double worst = 0;
     for (const double friction : {0.2, 0.5, 0.8}) {
@@ -75,7 +76,7 @@ Figures run_cone(const Contestant& contestant, const Plan& plan) {
     return {{along, slanted}, tick_time};
 }
 
-/// A box is shoved at 5 m/s and stops after v^2 / (2 mu g).
+/// A box with 5 m/s must stop after v^2 / (2 mu g).
 Figures run_slide(const Contestant& contestant, const Plan& plan) {
     constexpr double speed = 5, friction = 0.5;
     const double given = plan.planted >= 0 ? 0.48 : friction;
@@ -96,7 +97,7 @@ Figures run_slide(const Contestant& contestant, const Plan& plan) {
 
 // ---- bouncing ----------------------------------------------------------------------------------------------------
 
-/// The height that a ball regains after it fell by 2 m, against e^2 h; the worst of eleven coefficients in % of h.
+/// The height of a ball's bounce after a fall of 2 m, against e^2 h: the largest error of eleven coefficients [% of h].
 Figures run_bounce(const Contestant& contestant, const Plan& plan) {
     constexpr double radius = 0.25, height = 2;
     double worst = 0, tick_time = 0;
@@ -110,7 +111,7 @@ Figures run_bounce(const Contestant& contestant, const Plan& plan) {
         const auto engine = make_engine(contestant, scene);
         bool bounced = false;
         double top = 0, last = radius + height;
-        for (int tick = 0; tick < 150; ++tick) { // falls for 0.64 s, rises for as long at most
+        for (int tick = 0; tick < 150; ++tick) { // falls for 0.64 s, rises for at most that time
             engine->advance(1);
             const State s = engine->state(ball);
             if (s.velocity.y >= 0 || last - s.position.y < 0) bounced = true;
@@ -126,7 +127,7 @@ Figures run_bounce(const Contestant& contestant, const Plan& plan) {
 
 // ---- belts -------------------------------------------------------------------------------------------------------
 
-/// A box is put on a belt that runs at 2 m/s: it takes on the speed of the belt after v / (mu g).
+/// A box on a belt that moves at 2 m/s must have the belt's speed after v / (mu g).
 Figures run_belt(const Contestant& contestant, const Plan& plan) {
     if (contestant.product == Product::bullet) return {};
     constexpr double speed = 2, friction = 0.4;

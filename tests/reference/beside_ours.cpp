@@ -1,4 +1,4 @@
-// Both engines from the same start, and builds of one engine that part.
+// Both engines from one start, and builds of one engine that diverge.
 #include "reference/drift.h"
 #include "reference/scene.h"
 #include "reference/scenes.h"
@@ -26,7 +26,7 @@ TEST_CASE("two blocks fly alike until they touch something, within 1 cm") {
 
 namespace {
 
-/// Of a tick in which the ground touches nothing: the change of momentum, less what gravity does.
+/// In ticks without contact with the ground: the change of momentum, less that of gravity.
 struct InTheAir {
     int ticks = 0, impacts = 0;
     double worst = 0;
@@ -59,7 +59,7 @@ TEST_CASE("two blocks that meet in the air keep their momentum, in both engines"
                 both.ours().body_of(c.shape_a) == ground || both.ours().body_of(c.shape_b) == ground;
             (is_ground ? our_ground : our_impact) = true;
         }
-        const bool moves = both.ours().awake_count() == 2; // asleep, gravity does nothing
+        const bool moves = both.ours().awake_count() == 2; // gravity does not act on sleeping bodies
         if (i >= 6 && !our_ground && moves)
             ours.note(before.ours.momentum, now.ours.momentum, 20, our_impact);
         if (i >= 6 && !their_ground)
@@ -68,7 +68,7 @@ TEST_CASE("two blocks that meet in the air keep their momentum, in both engines"
     }
     CHECK(theirs.impacts > 0);
     CHECK(ours.impacts > 0);
-    CHECK(theirs.worst <= 1e-6); // gravity as it is given is 1e-10 off 9.81
+    CHECK(theirs.worst <= 1e-6); // the given gravity is 1e-10 off 9.81
     CHECK(ours.worst <= 1e-3);   // 20 kg times a few steps of a velocity, 2^-19 m/s
 }
 

@@ -1,5 +1,5 @@
-// The thesis' engine against the closed forms that it can meet. The bounds follow from the time step h and the rounding of
-// double precision (1e-9 leaves six digits of it).
+// The thesis' engine against its closed forms. The bounds follow from the time step h and the rounding of double
+// precision (1e-9 leaves six digits of it).
 #include "reference/scene.h"
 #include "support/about.h"
 
@@ -30,7 +30,7 @@ TEST_CASE("two balls that overlap are moved apart by their inverse masses (formu
     Engine engine = Engine::create(stage.world, strict()).value();
     const double before_a = engine.bodies()[0].center.x, before_b = engine.bodies()[1].center.x;
     engine.tick();
-    const double p = 1 - (before_b - before_a); // both radii less the distance
+    const double p = 1 - (before_b - before_a); // the sum of the radii less the distance
     CHECK(before_a - engine.bodies()[0].center.x == lockstone::test::about(0.75 * p, 1e-6));
     CHECK(engine.bodies()[1].center.x - before_b == lockstone::test::about(0.25 * p, 1e-6));
 }
@@ -43,20 +43,22 @@ TEST_CASE("a box that is dropped flat comes to rest flat") {
     Engine engine = Engine::create(stage.world, settings).value();
     for (int i = 0; i < 180; ++i) engine.tick();
     const reference::Body& body = engine.bodies()[1];
-    // What a step of free fall adds, and what the epsilons leave.
+    // The speed of one step of free fall, and the remainder of the epsilons.
     const double h = 1.0 / 240, speed = 9.81 * h + settings.velocity_epsilon;
     CHECK(std::abs(body.center.y - 0.5) <= settings.position_epsilon + speed * h);
     CHECK(length(body.velocity) <= 2 * speed);
-    // Corners are met one by one, so it turns a little on the way; what a depth v h moves it aside is less than that.
+    // The engine resolves corners one by one, so the box turns a little; a depth of v h moves it sideways by less than
+    // that.
     CHECK(std::hypot(body.center.x, body.center.z) <= std::sqrt(2 * 9.81) * h);
-    // It leans by no more than such a depth on either side, a metre apart; about the vertical nothing turns it back.
+    // It leans by at most such a depth on either side, a metre apart. About the vertical axis there is no restoring
+    // torque.
     CHECK(2 * std::hypot(body.pose.rotation.x, body.pose.rotation.z) <=
           2 * (settings.position_epsilon + speed * h));
 }
 
 namespace {
 
-/// How high a box rises again that falls flat by `height` [m].
+/// Returns the height to which a box rebounds after it falls flat by `height` [m].
 double rebound(double e, double height, bool box_ground) {
     Stage stage;
     stage.ground();
@@ -81,10 +83,10 @@ TEST_CASE(
     "a box that is dropped flat rises again to e^2 of the height from one contact point, to less from four") {
     for (const double e : {0.3, 0.5, 0.8}) {
         CAPTURE(e);
-        // The impact is seen up to a step late, and Euler-Cromer rises v h / 2 less than a parabola.
+        // The impact is detected up to a step late, and Euler-Cromer rises v h / 2 less than a parabola.
         const double height = 2, v = std::sqrt(2 * 9.81 * height), h = 1.0 / 240, bound = 2 * e * v * h;
         CHECK(std::abs(rebound(e, height, false) - e * e * height) <= bound);
-        // Resolved one by one, each corner turns the box and takes from what the next gives back (section 5).
+        // Corners are resolved one by one, so each turns the box and reduces the rebound of the next (section 5).
         CHECK(rebound(e, height, true) <= e * e * height + bound);
     }
 }
@@ -136,7 +138,7 @@ TEST_CASE("a box that tumbles keeps it with the term w x I w, and not as the the
     const Vec3 spin{1_r, 4_r, 2_r};
     CHECK(change_of_angular_momentum(
               spin, {.integrator = reference::Integrator::runge_kutta_4, .gyroscopic = true}) <= 1e-4);
-    CHECK(change_of_angular_momentum(spin, {}) >= 0.01); // listing 3 keeps the angular velocity instead
+    CHECK(change_of_angular_momentum(spin, {}) >= 0.01); // listing 3 conserves the angular velocity instead
 }
 
 TEST_CASE("two boxes that meet off their centres keep momentum and angular momentum") {
@@ -160,7 +162,7 @@ TEST_CASE("two boxes that meet off their centres keep momentum and angular momen
     REQUIRE(met);
     const reference::Measures after = engine.measure();
     CHECK(length(after.momentum - before.momentum) <= 1e-6);
-    // Bodies that are moved apart by p take their momentum along: p m v, twice.
+    // Bodies that are moved apart by p carry their momentum with them: p m v, twice.
     const double p = deepest + 5 * 2.0 / 240;
     CHECK(length(after.angular_momentum - before.angular_momentum) <= 2 * p * 1000 * 3);
     CHECK(after.kinetic < before.kinetic);

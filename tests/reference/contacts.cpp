@@ -1,4 +1,4 @@
-// FCL's contacts are what the thesis' engine uses, for every shape that FCL has.
+// The thesis' engine uses FCL's contacts, for every shape that FCL has.
 #include "reference/scene.h"
 
 #include "lockstone/asset.h"
@@ -17,7 +17,7 @@ using reference::Engine;
 
 namespace {
 
-/// What FCL itself says of a box of half a metre at the origin and a ball.
+/// FCL's contact of a box of 1 m at the origin and a ball.
 fcl::Contactd ask_fcl(const fcl::Vector3d& ball) {
     const fcl::CollisionObjectd a(std::make_shared<fcl::Boxd>(1, 1, 1));
     const fcl::CollisionObjectd b(std::make_shared<fcl::Sphered>(0.5), fcl::Matrix3d::Identity(), ball);
@@ -61,7 +61,7 @@ struct Assets {
 struct Dropped {
     const char* name;
     Geometry geometry;
-    Real height; ///< of the centre above what it stands on
+    Real height; ///< of the centre above its support
 };
 
 std::vector<Dropped> bodies_of(const Assets& assets) {
@@ -70,7 +70,7 @@ std::vector<Dropped> bodies_of(const Assets& assets) {
             {"cone", cone(0.5_r, 0.4_r), 0.4_r},       {"hull", assets.hull, 0.4_r}};
 }
 
-/// The height of the body after a second, dropped from 2 cm; it may have turned, but not sunk.
+/// The height of the body after a second, dropped from 2 cm. It may turn but not sink.
 double height_after(const Assets& assets, const Dropped& dropped, const Geometry& ground,
                     const Transform& place, bool box_ground = true) {
     Stage stage({}, assets.library);
@@ -145,7 +145,7 @@ TEST_CASE("a contact with a mesh is the same whichever of the two bodies was the
         engine.tick();
         REQUIRE(!engine.contacts().empty());
         const reference::Vec n = engine.contacts()[0].normal;
-        pushed[mesh_first] = mesh_first ? n * -1 : n; // as the box is
+        pushed[mesh_first] = mesh_first ? n * -1 : n; // in the direction of the box
     }
     CHECK(pushed[0].y >= 1 - 1e-6);
     CHECK(pushed[1].y >= 1 - 1e-6);

@@ -1,4 +1,4 @@
-// Small worlds for the thesis' engine, and its settings without slack.
+// Small worlds for the thesis' engine, and settings without tolerances.
 #pragma once
 
 #include "reference/reference.h"
@@ -13,7 +13,7 @@ namespace reference_tests {
 
 using namespace lockstone;
 
-/// A world body by body; an error ends the test.
+/// A world to which the test adds bodies. An error ends the test.
 struct Stage {
     explicit Stage(const WorldDef& def = {}, std::shared_ptr<const AssetLibrary> assets = {})
         : world(World::create(def, {}, std::move(assets)).value()) {}
@@ -33,7 +33,7 @@ struct Stage {
 inline WorldDef weightless() { return {.gravity = {}, .sleeping = 0}; }
 inline Transform at(Real x, Real y, Real z) { return {{x, y, z}, Quat::identity()}; }
 
-/// One step a tick, nothing left to an epsilon, every impact bounces.
+/// One step per tick, epsilons of zero, and a bounce for every impact.
 inline reference::Settings strict() {
     return {.substeps = 1, .position_epsilon = 0, .velocity_epsilon = 0, .bounce_speed_min = 0};
 }

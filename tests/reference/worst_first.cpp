@@ -1,4 +1,4 @@
-// The order of the resolver (section 4.3.2, listing 8): the worst first, ties by id.
+// The order of the resolver (section 4.3.2, listing 8): the worst contact first, ties by id.
 #include "reference/scene.h"
 #include "reference/scenes.h"
 #include "reference/side_by_side.h"
@@ -11,7 +11,7 @@ using reference::Engine, reference::Resolved;
 
 namespace {
 
-/// Pairs of balls far from each other, each overlapping so far.
+/// Pairs of balls far from each other, with these overlaps.
 Stage overlapping(std::initializer_list<Real> depths) {
     Stage stage(weightless());
     Real z{};
@@ -30,7 +30,7 @@ std::vector<int> order_of(std::span<const Resolved> log, bool velocity) {
     return order;
 }
 
-/// The first of the deepest, by id; the last, for the twin.
+/// The first of the deepest contacts, by id; the last one for the negative control.
 int deepest_of(std::span<const reference::Contact> contacts, bool last) {
     int found = 0;
     for (int i = 1; i < static_cast<int>(contacts.size()); ++i) {
@@ -50,7 +50,7 @@ TEST_CASE("the deepest contact is resolved first, and of equal ones the one with
     Engine engine = Engine::create(stage.world, settings).value();
     engine.tick();
     REQUIRE(engine.contacts().size() == 4);
-    REQUIRE(engine.contacts()[1].depth == engine.contacts()[3].depth); // a tie, to the bit
+    REQUIRE(engine.contacts()[1].depth == engine.contacts()[3].depth); // a tie of equal bits
     CHECK(order_of(engine.resolved(), false) == std::vector<int>{1, 3, 2, 0});
 }
 
@@ -69,7 +69,7 @@ TEST_CASE("the fastest approach is resolved first, after all positions") {
     engine.tick();
     CHECK(order_of(engine.resolved(), true) == std::vector<int>{1, 3, 2, 0});
     CHECK(order_of(engine.resolved(), false) ==
-          std::vector<int>{1, 3, 2, 0}); // who came fastest is deepest by now
+          std::vector<int>{1, 3, 2, 0}); // the fastest ones are the deepest by now
     CHECK(
         std::ranges::is_partitioned(engine.resolved(), [](const Resolved& done) { return !done.velocity; }));
 }
@@ -107,7 +107,7 @@ TEST_CASE("iterations end where nothing is above epsilon, and at the most that i
 }
 
 TEST_CASE("a contact that another one moved is updated") {
-    // Three balls in a row, the middle one squeezed: what is resolved on one side makes the other deeper.
+    // Three balls in a row, the middle one squeezed: resolving one side deepens the other.
     Stage stage(weightless());
     for (const Real x : {0_r, 0.96_r, 1.9_r})
         stage.add({.pose = at(x, 0_r, 0_r)}, {.geometry = sphere(0.5_r)});
@@ -120,5 +120,5 @@ TEST_CASE("a contact that another one moved is updated") {
     CHECK(log[0].contact == 1);
     CHECK(log[0].magnitude == lockstone::test::about(0.06, 1e-6));
     CHECK(log[1].contact == 0);
-    CHECK(log[1].magnitude == lockstone::test::about(0.04 + 0.03, 1e-6)); // half of 0.06 came on top
+    CHECK(log[1].magnitude == lockstone::test::about(0.04 + 0.03, 1e-6)); // half of 0.06 was added
 }

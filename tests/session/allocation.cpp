@@ -1,4 +1,4 @@
-// In steady state a frame allocates nothing: not the session, not the runner, not the simulated network.
+// In steady state a frame allocates no memory: neither the session nor the runner nor the simulated network does.
 #include "session/match.h"
 
 #include "support/allocation_counter.h"
@@ -16,7 +16,7 @@ std::uint64_t allocations_of_frames(bool lockstep) {
                  .link = {.latency_ms = 60, .jitter_ms = 20, .loss_permille = 50, .duplicate_permille = 20},
                  .record = false});
     match.run(2000);
-    // A build for sanitizers moves states at every chance, which allocates.
+    // In a build for sanitizers a state moves whenever it may, and that allocates.
     for (PeerId peer = 0; peer < 2; ++peer)
         match.machine(peer).simulation->state().move_at_every_chance(false);
     const AllocationCounter counter;

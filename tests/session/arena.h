@@ -1,5 +1,5 @@
-// A stand-in for a world and its rules, small enough to run millions of ticks: agents on a line that players push.
-// All its state lies in a State, its ticks depend on every input, and agents that meet make events.
+// A small substitute for a world and its rules, fast enough for millions of ticks: agents on a line that players push.
+// A State holds all its data, its ticks depend on every input, and agents that meet make events.
 #pragma once
 
 #include "lockstone/input.h"
@@ -19,7 +19,7 @@ template <class V> constexpr void describe(Pad& p, V&& v) { v("push", p.push), v
 struct Agent {
     std::int32_t place;
     std::int32_t speed;
-    std::uint32_t touching; ///< bit i: agent i
+    std::uint32_t touching; ///< bit i: agent i touches another agent
     std::uint32_t owner;
 };
 template <class V> constexpr void describe(Agent& a, V&& v) {
@@ -130,7 +130,7 @@ class Arena : public Simulation {
     std::vector<Event> shown;
 };
 
-/// Held for a while, as players do: changes every few ticks, differently for each player.
+/// A pad that holds its values as players do: it changes every few ticks, at other ticks for each player.
 inline Pad scripted_pad(std::uint32_t player, std::uint64_t tick) {
     test::SplitMix random((tick + player * 3) / 9 * 64 + player + 1);
     return {static_cast<std::int16_t>(random.next()), static_cast<std::uint16_t>(random.below(4))};

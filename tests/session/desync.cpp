@@ -1,4 +1,4 @@
-// Desyncs: found at the first tick that differs, told once, and not found where there is none.
+// Desyncs: a session reports the first tick that differs, once, and reports none in a match without a fault.
 #include "session/match.h"
 
 #include <doctest/doctest.h>
@@ -8,7 +8,7 @@ using namespace lockstone::test;
 
 namespace {
 
-/// A machine that is wrong, in one bit of one row, whenever it runs tick `bad_tick`.
+/// A faulty machine: after each run of tick `bad_tick` one bit of one row is wrong.
 class WrongArena final : public Arena {
   public:
     WrongArena(std::uint32_t players, std::uint64_t tick) : Arena(players), bad_tick(tick) {}

@@ -1,4 +1,4 @@
-// A recording of commands of a world that a session drives: a desync is inquired into, and the recording goes on.
+// A recorder notes the commands of a world that a session drives. The inquiry into a desync must not end the recording.
 #include "lockstone/session.h"
 #include "replay/recorder.h"
 #include "replay/recording.h"
@@ -14,7 +14,7 @@ using namespace lockstone;
 
 namespace {
 
-/// The second machine's rules push once more at one tick.
+/// The second machine's rules add one push at one tick.
 class PushingGame final : public Game {
   public:
     PushingGame(std::unique_ptr<Game> of, std::uint64_t tick) : real(std::move(of)), pushed_at(tick) {}
@@ -37,7 +37,7 @@ class PushingGame final : public Game {
     std::uint64_t pushed_at;
 };
 
-/// A simulation that cannot run a tick aside, as any other than a world's.
+/// A simulation without run_aside(), as every simulation has that is not a world's.
 class NotAside final : public Simulation {
   public:
     explicit NotAside(Simulation& of) : real(of) {}
@@ -56,12 +56,13 @@ class NotAside final : public Simulation {
 
 struct Outcome {
     Status recorded;
-    std::vector<std::byte> bytes; ///< of machine 0
+    std::vector<std::byte> bytes; ///< recorded by machine 0
     std::shared_ptr<const DesyncReport> report;
     std::uint64_t ticks = 0;
 };
 
-/// Lockstep of two machines that part at tick 60; the first records its commands. `aside`: as worlds are driven.
+/// Plays a lockstep match of two machines whose states differ from tick 60 on. The first machine records its commands.
+/// `aside`: the simulations can run a tick aside, as WorldSimulation can.
 Outcome play(bool aside) {
     const auto rules = [](std::uint64_t tick) {
         return PushingGame(make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 2}).value(), tick);
@@ -122,7 +123,7 @@ TEST_CASE(
 }
 
 TEST_CASE("where the tick is run again on the world itself, the recording is lost, and says why") {
-    // The planted twin of the test above.
+    // The planted fault: the inquiry cannot run a tick aside, so the recording must fail.
     const Outcome out = play(false);
     REQUIRE(out.report);
     REQUIRE_FALSE(out.recorded.ok());

@@ -1,4 +1,4 @@
-// The end of a match: what has been run is settled and recorded to the last tick, on every machine.
+// The end of a match: every machine confirms and records all ticks that ran, to the last one.
 #include "session/match.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::uint64_t match_ticks = 400;
 
-/// Every machine goes on to the last tick of the match, and then drains or stops. How many ticks each has confirmed.
+/// Advances every machine to the last tick of the match. Then each drains or stops. Returns the number of confirmed
+/// ticks by machine.
 std::vector<std::size_t> confirmed_at_the_end(Match& match, bool drains) {
     std::vector<bool> done(match.def.machines, false);
     for (int frame = 0; frame < 4000; ++frame) {

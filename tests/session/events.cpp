@@ -1,4 +1,4 @@
-// Events told of, then confirmed or cancelled.
+// Events: each is published as predicted, then as confirmed or cancelled.
 #include "session/event_ledger.h"
 #include "session/match.h"
 #include "support/rigs/busy_game.h"
@@ -34,7 +34,7 @@ std::string tell(EventLedger& ledger, std::uint64_t confirmed_end) {
     return out;
 }
 
-/// Runs random timelines through a ledger and the law; `spoil` may drop what is told.
+/// Runs random timelines through a ledger and the law. `spoil` may drop published events.
 template <class Spoil> bool law_holds(std::uint64_t seed, Spoil&& spoil) {
     test::SplitMix random(seed);
     EventLedger ledger(16);

@@ -1,4 +1,4 @@
-// One hostile machine among three or four: the others go on, together, and soon without it.
+// One hostile machine among three or four: the others continue, agree, and soon drop it.
 #include "session/hostile_scenes.h"
 
 #include <doctest/doctest.h>
@@ -19,7 +19,7 @@ TEST_CASE("a peer leaves at once between two, and among three when the others wa
     REQUIRE(two.machine(0).session->drop_peer(1).ok());
     two.run(30);
     CHECK(two.notices<PlayerDisconnected>(0).size() == 1);
-    CHECK(two.notices<PlayerDisconnected>(1).size() == 1); // told so, not left waiting
+    CHECK(two.notices<PlayerDisconnected>(1).size() == 1); // gets a notice at once, no timeout
 
     Match three({.machines = 3, .link = {.latency_ms = 40}});
     three.run(60);

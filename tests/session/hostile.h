@@ -1,5 +1,5 @@
-// One machine of a match that lies: an honest session whose packets are changed on their way out; and what the others
-// must come out with.
+// A match with one hostile machine: an honest session whose packets are changed on their way out. The header also
+// checks the result at the honest machines.
 #pragma once
 
 #include "session/link/message.h"
@@ -9,16 +9,16 @@
 
 namespace lockstone::test {
 
-/// Takes every packet apart, lets `lie` change it, and puts it together again with a right checksum. Inputs it knows as the
-/// difference to what came before only: as if that had been zeros.
+/// Decodes every packet, lets `lie` change the message, and encodes it again with a valid checksum. The transport
+/// decodes inputs as differences to zeros, because it does not keep the earlier inputs.
 class LyingTransport final : public Transport {
   public:
-    /// The packet for a machine: what it says, and the blocks of inputs it holds. Returns whether it is sent.
+    /// Changes the message for machine `to`, its input blocks included. Returns whether the packet is sent.
     using Lie = std::function<bool(PeerId to, session::Message& message)>;
     Transport* real = nullptr;
     Lie lie;
     session::PacketContext context{};
-    std::uint32_t players = 0; ///< bits, of the liar's machine
+    std::uint32_t players = 0; ///< of the liar's machine, as bits
 
     void send(PeerId to, std::span<const std::byte> bytes) override {
         session::Message message{};
@@ -53,10 +53,11 @@ class LyingTransport final : public Transport {
 
   private:
     session::PacketWriter writer;
-    std::map<PeerId, session::Sender> sent; ///< by receiver: what it knows if it hears all
+    std::map<PeerId, session::Sender> sent; ///< by receiver: its decoder's state if it gets every packet
 };
 
-/// Machines with one player each; the last one lies once `liar.lie` is set. One second of silence is too much.
+/// Machines with one player each. The last machine lies once `liar.lie` is set. A machine is dropped after one second
+/// of silence.
 class HostileMatch {
   public:
     explicit HostileMatch(std::uint32_t machines, MatchDef def = {})
@@ -66,7 +67,8 @@ class HostileMatch {
     PeerId hostile;
     Match match;
 
-    /// What is wrong among these honest machines; empty when nothing is. `ticks_least`: confirmed on each.
+    /// Returns an error sentence about these honest machines, or an empty string. Each must have confirmed
+    /// `ticks_least` ticks.
     std::string trouble(const std::vector<PeerId>& honest, std::uint64_t ticks_least) {
         for (const PeerId a : honest) {
             const std::string name = "machine " + std::to_string(a) + ": ";

@@ -1,5 +1,5 @@
-// What one hostile machine of three or four may try, each with what must come of it. One list for the tests and for the
-// planted faults.
+// Attacks of one hostile machine of three or four, each with its expected outcome. The tests and the planted faults use
+// this list.
 #pragma once
 
 #include "session/hostile.h"
@@ -9,14 +9,15 @@ namespace lockstone::test {
 
 struct HostileScene {
     const char* name;
-    std::function<std::string()> run; ///< what went wrong, or nothing
+    std::function<std::string()> run; ///< returns an error sentence, or an empty string
 };
 
 namespace hostile {
 
 using session::Message;
 
-/// Ten seconds of lies after two of truth: `honest` have gone on, and `leaves` says whether the liar has had to go.
+/// Runs ten more seconds, with the lies. Returns an error sentence unless the `honest` machines went on and treated the
+/// liar as `liar` says: it stays, leaves, or either.
 enum class Liar { stays, leaves, either };
 inline std::string endured(HostileMatch& h, const std::vector<PeerId>& honest, Liar liar,
                            std::uint64_t ticks_least = 550) {
@@ -59,14 +60,15 @@ inline std::string word_against_all() {
     return endured(h, {0, 1}, Liar::leaves);
 }
 
-/// The format has no words for inputs of another machine's player. What can be claimed is to have more of them.
+/// The format cannot carry inputs of another machine's player. A lie can only claim to have more of them.
 inline std::string claimed_inputs_of_the_gone() {
     HostileMatch h(4);
     h.match.run(120);
     int packets = 0;
     h.liar.lie = [&](PeerId, Message& m) {
         if ((m.unwanted >> 2 & 1u) == 0) return true;
-        if (++packets < 40) m.gone = m.has_cut = 0; // as long as it has not left for all, its inputs may grow
+        // The liar leaves these out for 40 packets: until all have dropped the machine, its inputs may grow.
+        if (++packets < 40) m.gone = m.has_cut = 0;
         m.next_input[2] += 100;
         return true;
     };
@@ -92,7 +94,7 @@ inline std::string keep_alives_without(void (*what)(Message&), std::uint32_t mac
     return endured(h, honest, only_to_0 ? Liar::either : Liar::leaves, 400);
 }
 
-/// One input now and then: it is never quite silent.
+/// Sends one input now and then, so it is never silent.
 inline std::string dripped_inputs() {
     HostileMatch h(3);
     h.match.run(120);
@@ -113,7 +115,7 @@ inline std::string far_behind() {
         if (m.quality) m.quality->ticks_ahead = -2'000'000'000;
         return true;
     };
-    return endured(h, {0, 1}, Liar::stays, 580); // at most 8 frames of 68 are waited
+    return endured(h, {0, 1}, Liar::stays, 580); // the others wait at most 8 of 68 frames
 }
 
 inline std::string flood() {
@@ -146,8 +148,8 @@ inline std::string flood() {
     return endured(h, {0, 1}, Liar::stays);
 }
 
-/// Somebody on the way sends old packets of a machine that is gone again and again. In a pause nobody waits for it, so that
-/// only its silence can show.
+/// A machine between the peers replays old packets of a machine that is gone. In a pause the peers miss no inputs, so
+/// only the silence of that machine can show that it is gone.
 inline std::string replayed_packets(bool in_a_pause) {
     HostileMatch h(3);
     std::vector<std::pair<PeerId, std::vector<std::byte>>> old;
@@ -177,7 +179,7 @@ inline std::string never_appears() {
     return endured(h, {0, 1}, Liar::leaves, 400);
 }
 
-/// A third machine fails, and the liar has something else to say about it to everybody.
+/// Machine 2 fails, and the liar sends all others wrong facts about that departure.
 inline std::string about_a_departure(const LyingTransport::Lie& lie, bool may_stop,
                                      std::uint64_t ticks_least = 400) {
     HostileMatch h(4);
@@ -192,7 +194,7 @@ inline std::string about_a_departure(const LyingTransport::Lie& lie, bool may_st
     return h.trouble({0, 1}, ticks_least);
 }
 
-/// Nobody lies. Two machines fail one after the other, and those that remain have heard different numbers of inputs.
+/// No machine lies. Two machines fail, and the remaining ones have received different numbers of their inputs.
 inline std::string two_fail() {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         const bool lockstep = seed % 3 == 0;
@@ -215,7 +217,7 @@ inline std::string two_fail() {
     return {};
 }
 
-/// It sends packets to one of the others only.
+/// The liar sends packets to machine 0 only.
 inline std::string silent_to_one() {
     HostileMatch h(4);
     h.match.run(120);
@@ -257,7 +259,7 @@ inline std::vector<HostileScene> hostile_to_all() {
     };
 }
 
-/// While somebody else fails.
+/// Attacks while another machine fails.
 inline std::vector<HostileScene> hostile_at_departures() {
     return {
         {"does nothing while two machines fail", two_fail},
@@ -294,7 +296,7 @@ inline std::vector<HostileScene> hostile_at_departures() {
                  [](PeerId, Message& m) {
                      if (m.has_cut != 0) m.cut[2] += 5;
                      m.unwanted &= 1u << 2, m.gone &= 1u << 2,
-                         m.has_cut &= 1u << 2; // it does not mind waiting
+                         m.has_cut &= 1u << 2; // as if the liar need not wait
                      return true;
                  },
                  false, 500);
@@ -302,9 +304,10 @@ inline std::vector<HostileScene> hostile_at_departures() {
     };
 }
 
-/// Nobody lies. The way from machine 3 to 1 is the slowest, so the others wait for machine 1's word that it has those inputs. Then machine 2 hears
-/// nothing of machine 1 for less than half of their patience, from each moment of that wait on. It stands still, so the others lack its
-/// inputs; and it lacks those of machine 1 from the same tick on, so it has acknowledged none. That is one fault, not two.
+/// No machine lies. The link from machine 3 to machine 1 is the slowest, so the others wait until machine 1
+/// acknowledges those inputs. Then machine 2 receives nothing from machine 1 for less than half of the timeout, from
+/// each moment of that wait on. Machine 2 stops, so the others lack its inputs; and it lacks machine 1's inputs from
+/// the same tick on, so it has acknowledged none. That is one fault, not two.
 inline std::string unheard_for_a_while(bool lockstep) {
     for (std::uint64_t moment = 0; moment < 13; ++moment) {
         Match match({.machines = 4,
@@ -327,7 +330,8 @@ inline std::string unheard_for_a_while(bool lockstep) {
     return {};
 }
 
-/// Nobody lies. Machine 0 does not go on, but is heard: it goes, and nobody else, as the others owe each other nothing.
+/// No machine lies. Machine 0 stops advancing, but its packets arrive. The others drop machine 0 and no other machine,
+/// because none of the others is late.
 inline std::string stands_still(bool lockstep) {
     Match match({.machines = 4,
                  .lockstep = lockstep,
@@ -356,7 +360,7 @@ inline std::vector<HostileScene> honest_and_late() {
     };
 }
 
-/// Machine 1 of four loses its state and comes back, and the liar has something to say about that.
+/// Machine 1 of four loses its state and joins again, and the liar sends wrong facts about that join.
 inline std::string about_a_join(const LyingTransport::Lie& lie, bool may_fail) {
     HostileMatch h(4);
     h.match.run(120);
@@ -374,7 +378,7 @@ inline std::string about_a_join(const LyingTransport::Lie& lie, bool may_fail) {
     return h.match.machine(0).timeline.end() > 900 ? "" : "the match was held up";
 }
 
-/// Its word comes when the tick that the others tell is over: they have waited there.
+/// The liar's vote arrives after the tick that the others proposed; they have waited at that tick.
 inline std::string late_word() {
     const auto first = std::make_shared<std::uint64_t>(0);
     return about_a_join(
@@ -387,7 +391,7 @@ inline std::string late_word() {
         false);
 }
 
-/// To one it is ready. To another one it says yes, and no when that is ready too.
+/// The liar votes "ready" to one machine. To machine 2 it votes "yes", and then "no" after that machine is ready.
 inline std::string no_to_who_is_ready() {
     const auto told = std::make_shared<int>(0);
     return about_a_join(
@@ -399,7 +403,7 @@ inline std::string no_to_who_is_ready() {
         true);
 }
 
-/// The one that tells is not asked, nor is anybody.
+/// The liar votes for a join that no machine has requested.
 inline std::string join_out_of_nothing(bool of_one_that_plays) {
     HostileMatch h(4);
     h.match.run(120);
@@ -417,7 +421,8 @@ inline std::string join_out_of_nothing(bool of_one_that_plays) {
     return h.trouble(honest, 700);
 }
 
-/// The liar names a ticket that no machine has sent, above the greatest valid one, and leaves. Then a machine joins again.
+/// The liar names a ticket that no machine has sent, above the greatest valid one, and leaves. Then a machine joins
+/// again.
 inline std::string ticket_out_of_nothing() {
     HostileMatch h(4);
     h.match.run(120);
@@ -428,7 +433,7 @@ inline std::string ticket_out_of_nothing() {
         m.joins[0] = {1, 0xffff'ffff, session::JoinStand::yes, m.tick + 60};
         return true;
     };
-    h.match.run(120); // the others have said no
+    h.match.run(120); // the others have voted "no"
     h.match.crash(3);
     h.match.run(150);
     h.match.join(1);
@@ -438,7 +443,7 @@ inline std::string ticket_out_of_nothing() {
     return h.match.agree(0, 2) && h.match.agree(0, 1) ? "" : "the honest machines parted";
 }
 
-/// A machine that has been dropped wishes for everything, with a new ticket in each packet, and more packets than are read.
+/// A dropped machine requests everything, with a new ticket in each frame and more packets than a poll reads.
 inline std::string wishes_without_end() {
     HostileMatch h(3);
     h.match.run(120);
@@ -467,7 +472,7 @@ inline std::string wishes_without_end() {
     return h.match.agree(0, 1) ? "" : "the honest machines parted";
 }
 
-/// It comes in, is silent, is dropped, comes in...: each time the others wait for it.
+/// A machine joins, is silent, is dropped, and joins again. The others wait for it each time.
 inline std::string comes_and_is_silent() {
     HostileMatch h(3);
     h.match.run(120);

@@ -1,4 +1,5 @@
-// Desyncs named: tick, phase, column, row, field and both values, at both machines; and what a hostile machine cannot make of it.
+// Reports of desyncs name tick, phase, column, row, field and both values, at both machines. A hostile machine cannot
+// break the inquiry.
 #include "session/desync/inspection.h"
 #include "session/match.h"
 #include "session/seal.h"
@@ -13,16 +14,18 @@ using namespace lockstone::test;
 
 namespace {
 
-/// One bit of one byte of one row, flipped after a tick; without a column a push before it, as of other rules.
+/// A fault: one bit of one byte of one row flips after a tick. Without a column: a push before the tick, as other rules
+/// would give.
 struct Flip {
     std::uint64_t tick;
     std::string column;
     std::uint32_t row, byte;
-    /// Whenever the tick runs; else only the first time: a fault of the machine, not of its program
+    /// True: the bit flips whenever the tick runs, a fault of the program. False: only the first time, a fault of the
+    /// machine.
     bool each_time;
 };
 
-/// A world whose state changes behind its back.
+/// A world whose state changes outside of its ticks.
 class FaultySimulation final : public Simulation {
   public:
     FaultySimulation(std::unique_ptr<Game> rules, std::optional<Flip> planted)
@@ -37,7 +40,7 @@ class FaultySimulation final : public Simulation {
         real.record_phase_hashes(on);
         run_again_here += on ? 1u : 0u;
     }
-    /// A fault of the program is in every copy of it, one of the machine is not.
+    /// A fault of the program is in every copy of the simulation. A fault of the machine is not.
     std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) override {
         const bool is_in_program = flip && (flip->column.empty() || flip->each_time);
         return is_in_program ? std::nullopt : real.run_aside(before, inputs);
@@ -56,7 +59,7 @@ class FaultySimulation final : public Simulation {
         state().edit_bytes(column, flip->row, 1)[flip->byte] ^= std::byte{1};
     }
 
-    std::uint32_t run_again_here = 0; ///< ticks of an inquiry that were not run aside
+    std::uint32_t run_again_here = 0; ///< ticks of an inquiry that ran here, not aside
 
   private:
     std::unique_ptr<Game> game;
@@ -66,7 +69,7 @@ class FaultySimulation final : public Simulation {
     int done = 0;
 };
 
-/// Two machines on a scene; machine 1 is faulty.
+/// Two machines that play a scene; machine 1 is faulty.
 struct SceneMatch {
     SimulatedNetwork network;
     struct Side {
@@ -116,7 +119,8 @@ struct SceneMatch {
 
 } // namespace
 
-/// What is wrong with the reports of two machines about a bit flipped in a column; nothing when it is named exactly.
+/// Returns a sentence about the first error in both machines' reports of a bit flipped in a column. Returns an empty
+/// string where both name the bit exactly.
 static std::string named_wrongly(const SceneMatch& match, const Flip& flip) {
     for (PeerId id = 0; id < 2; ++id) {
         const SceneMatch::Side& s = match.sides[id];
@@ -158,10 +162,9 @@ TEST_CASE("a flipped bit is named at both machines: tick, column, row, field and
         if (match.sides[0].reports.empty()) continue;
         const DesyncReport& report = match.sides[0].reports[0];
         CHECK(report.local_repeats);
-        CHECK(report.remote_repeats ==
-              flip.each_time); // a fault that does not come again is the other machine's
+        CHECK(report.remote_repeats == flip.each_time); // a fault that does not repeat is the other machine's
         CHECK(match.sides[1].reports[0].local_repeats == flip.each_time);
-        CHECK(match.sides[0].simulation->run_again_here == 0); // what is played is left alone
+        CHECK(match.sides[0].simulation->run_again_here == 0); // the played world is not changed
         CHECK(match.sides[1].simulation->run_again_here == (flip.each_time ? 1 : 0));
         MESSAGE(to_string(report), "; ", report.bytes_exchanged, " bytes, log of ", log_text(report).size());
     }
@@ -170,7 +173,7 @@ TEST_CASE("a flipped bit is named at both machines: tick, column, row, field and
 TEST_CASE("a runner that takes another one's place is asked, and not forgotten with it") {
     const Flip flip{150, "body.velocity", 7, 1, true};
     SceneMatch match(flip);
-    for (SceneMatch::Side& side : match.sides) // the new one is there before the old one goes
+    for (SceneMatch::Side& side : match.sides) // makes the new runner before it destroys the old one
         side.runner = std::make_unique<SessionRunner>(*side.session, *side.simulation);
     match.run(static_cast<int>(flip.tick) + 240);
     CHECK(named_wrongly(match, flip) == "");
@@ -199,7 +202,7 @@ TEST_CASE("rules that push differently are named by the first phase that differs
 
 namespace {
 
-/// Shows states in which a column is all zeros: the comparison that skips it.
+/// Returns states in which a column is all zeros, so a comparison misses differences in that column.
 class BlindInspector final : public StateInspector {
   public:
     StateInspector* real = nullptr;
@@ -355,9 +358,9 @@ TEST_CASE("questions and answers that break the format are refused for what is w
     CHECK(refused(1, 4) == PacketFault::malformed); // no such topic
     CHECK(refused(2, 9) == PacketFault::match);
     CHECK(refused(20, 2) == PacketFault::malformed);   // an offset beyond 64 kB
-    CHECK(refused(22, 22) == PacketFault::malformed);  // less content than there is
+    CHECK(refused(22, 22) == PacketFault::malformed);  // less content than the length says
     CHECK(refused(24, 2) == PacketFault::malformed);   // more than 64 kB
-    CHECK(refused(0, 0x51) == PacketFault::malformed); // a question with content
+    CHECK(refused(0, 0x51) == PacketFault::malformed); // a question must not have content
     for (std::size_t bit = 8; bit < packet.size() * 8; ++bit) {
         std::vector<std::byte> damaged = packet;
         damaged[bit / 8] ^= static_cast<std::byte>(1u << (bit % 8));

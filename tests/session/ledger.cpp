@@ -1,8 +1,9 @@
-// What a match costs on the wire, byte by byte, beside what the formats of GGPO and GGRS take for the same inputs.
+// The bytes of a match on the wire, beside the bytes that the formats of GGPO and GGRS take for the same inputs.
 //
-// Two machines, 60 frames a second, 100 ms of round trip, one minute; over UDP, with 20 bytes a packet for the header and the
-// tag of an encrypting transport. Bounds, from the plan: 2.2 kB/s at 2 bytes of input, 2.8 kB/s at 8; where 30 % are lost in
-// bursts of 8 packets in the mean, once and a half as much: what is lost is told again, once.
+// Two machines, 60 frames a second, a round trip of 100 ms, one minute; over UDP, with 20 bytes a packet for the header
+// and the tag of an encrypting transport. Bounds, from the plan: 2.2 kB/s at 2 bytes of input, 2.8 kB/s at 8. Where 30
+// % of the packets are lost, in bursts of 8 on average, the bound is 1.5 times as high: a lost input is sent again,
+// once.
 #include "session/link/message.h"
 #include "session/match.h"
 
@@ -22,7 +23,8 @@ constexpr std::size_t seal_bytes = 20;
 
 // ---- players -----------------------------------------------------------------------------------------------------
 
-/// From rest to rest: a stroke of `stroke` ticks to another place, then `rest_least` to three times as many ticks there.
+/// A stick at rest, then a stroke of `stroke_ticks` ticks to another place, then a rest of `rest_least_ticks` to three
+/// times as many ticks.
 class Stick {
   public:
     Stick(std::uint64_t seed, std::uint32_t stroke_ticks, std::uint32_t rest_least_ticks)
@@ -46,7 +48,8 @@ class Stick {
     std::int32_t from = 128, to = 128;
 };
 
-/// Two bytes: eight directions, held for 12 to 36 ticks, and twelve buttons, one of which goes down or up every 6 to 18.
+/// Two bytes: eight directions, each held for 12 to 36 ticks, and twelve buttons. One button changes every 6 to 18
+/// ticks.
 Bytes button_input(std::uint64_t seed, std::uint64_t ticks, std::vector<Bytes>& out) {
     test::SplitMix random(seed);
     std::uint32_t directions = 0, buttons = 0;
@@ -60,7 +63,8 @@ Bytes button_input(std::uint64_t seed, std::uint64_t ticks, std::vector<Bytes>& 
     return out.back();
 }
 
-/// Eight bytes: the buttons above, two triggers and two sticks of two axes. Each stick moves four ticks of ten.
+/// Eight bytes: the buttons above, two triggers and two sticks with two axes each. Each stick moves during four of ten
+/// ticks.
 std::vector<Bytes> pad_inputs(std::uint64_t seed, std::uint32_t size, std::uint64_t ticks) {
     std::vector<Bytes> out;
     button_input(seed, ticks, out);
@@ -74,9 +78,9 @@ std::vector<Bytes> pad_inputs(std::uint64_t seed, std::uint32_t size, std::uint6
     return out;
 }
 
-// ---- what others take --------------------------------------------------------------------------------------------
+// ---- the formats of other libraries ------------------------------------------------------------------------------
 
-/// GGPO: a head of 32 bytes, then for each unacknowledged input 11 bits per changed bit and 1 bit.
+/// GGPO: a header of 32 bytes, then for each unacknowledged input 11 bits per changed bit and 1 bit.
 std::size_t ggpo_bytes(const std::vector<Bytes>& inputs, std::uint64_t first, std::uint64_t end) {
     std::size_t bits = 0;
     for (std::uint64_t t = first; t < end; ++t, ++bits)
@@ -85,8 +89,8 @@ std::size_t ggpo_bytes(const std::vector<Bytes>& inputs, std::uint64_t first, st
                              inputs[t][i] ^ (t == 0 ? std::byte{0} : inputs[t - 1][i]))));
     return 32 + (bits + 7) / 8;
 }
-/// GGRS: a head of 41 bytes and 10 for the acknowledgement; unacknowledged inputs, XORed with the last acknowledged, as runs:
-/// 1 byte for equal bytes of 0, 1 and the bytes for others.
+/// GGRS: a header of 41 bytes and 10 bytes for the acknowledgement; then the unacknowledged inputs, XORed with the last
+/// acknowledged one, as runs: a run of zeros takes 1 byte, a run of other bytes takes 1 byte and its bytes.
 std::size_t ggrs_bytes(const std::vector<Bytes>& inputs, std::uint64_t first, std::uint64_t end) {
     std::size_t bytes = 51;
     enum class Run { none, zeros, others } run = Run::none;
@@ -108,7 +112,7 @@ struct Ledger {
     std::uint64_t ticks = 0, stalls = 0;
 };
 
-/// Counts what a machine sends, and loses some of it in bursts.
+/// Counts the bytes that a machine sends, and drops some packets in bursts.
 class CountingTransport final : public Transport {
   public:
     CountingTransport(Transport& to, const SessionDef& of, const std::vector<Bytes>& pressed, bool bursts,
@@ -120,7 +124,8 @@ class CountingTransport final : public Transport {
         REQUIRE_FALSE(decode(bytes, context, known, message));
         known.sequence = message.sequence, known.tick = message.tick;
         count(message, bytes);
-        in_burst = random.below(in_burst ? 8 : 19) == 0 ? !in_burst : in_burst; // 8 lost, 19 not lost: 30 %
+        in_burst =
+            random.below(in_burst ? 8 : 19) == 0 ? !in_burst : in_burst; // on average 8 lost, 19 not: 30 %
         if (!loses || !in_burst) real.send(to, bytes);
     }
     std::optional<Datagram> receive() override { return real.receive(); }
@@ -128,7 +133,7 @@ class CountingTransport final : public Transport {
 
   private:
     void count(const Message& message, std::span<const std::byte> bytes) {
-        writer.begin(context, known, message); // the same inputs again: the same bytes
+        writer.begin(context, known, message); // equal inputs must give equal bytes
         std::uint64_t first = message.tick, end = message.tick;
         for (const InputBlock& block : message.input_blocks()) {
             first = block.first, end = block.first + block.count;
@@ -171,7 +176,7 @@ Ledger play(std::uint32_t input_size, bool bursts) {
         def.self = id;
         inputs[id] = pad_inputs(id + 1, input_size, frames + 100);
         inputs[id].insert(inputs[id].begin(), def.input_delay,
-                          Bytes(input_size)); // nobody has pressed anything before
+                          Bytes(input_size)); // inputs before the first one are zeros
         wires[id] =
             std::make_unique<CountingTransport>(network.endpoint(id), def, inputs[id], bursts, ledgers[id]);
         sessions[id] = make_rollback_session(def, *wires[id]).value();
@@ -218,7 +223,7 @@ TEST_CASE("a match of small inputs takes 2.2 kB/s, one of whole pads 2.8 kB/s, s
     CHECK(per_second(buttons.bytes) <= 2200);
     CHECK(per_second(pad.bytes) <= 2800);
     CHECK(buttons.ticks > frames - 20);
-    // What others leave out, seals and hashes, counts here: and it is still less than they take.
+    // The count includes our seals and hashes, which the other formats lack, and is still smaller than theirs.
     CHECK(buttons.bytes < buttons.ggpo + buttons.packets * seal_bytes);
     CHECK(pad.bytes < pad.ggpo);
     CHECK(pad.bytes < pad.ggrs);

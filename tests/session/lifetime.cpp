@@ -1,4 +1,4 @@
-// A runner whose session was destroyed.
+// Runners that outlive their sessions.
 #include "session/lifetime.h"
 
 #include <doctest/doctest.h>

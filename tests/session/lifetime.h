@@ -1,4 +1,4 @@
-// A runner whose session was destroyed. For the tests and for the planted faults.
+// A runner that outlives its session. For the tests and for the planted faults.
 #pragma once
 
 #include "session/arena.h"
@@ -9,7 +9,7 @@
 
 namespace lockstone::test {
 
-/// Does nothing, and counts the calls that a runner makes.
+/// Does nothing and counts the calls that a runner makes.
 class CountedSession final : public Session {
   public:
     void poll(std::uint64_t) override { ++calls; }
@@ -34,8 +34,9 @@ class CountedSession final : public Session {
     SessionStats no_stats;
 };
 
-/// Makes a runner, destroys its session, makes another session in the same memory, calls `then` and destroys the runner. Returns the
-/// calls that the second session received. The memory is never freed, so the test is defined even where the runner is wrong.
+/// Makes a runner, destroys its session, makes another session in the same memory, calls `then` and destroys the
+/// runner. Returns the number of calls that the second session received. The memory stays allocated, so the test has
+/// defined behaviour even where the runner is wrong.
 template <class Then> int calls_after_the_end(Then&& then) {
     alignas(CountedSession) std::byte memory[sizeof(CountedSession)];
     auto* first = new (memory) CountedSession;

@@ -15,7 +15,7 @@ namespace lockstone::test {
 
 using cli::EventLaw;
 
-/// Keeps the confirmed timeline, and notices when it is not one.
+/// Keeps the confirmed timeline, and detects ticks that are out of order.
 class Timeline final : public ConfirmedSink {
   public:
     struct Tick {
@@ -35,11 +35,11 @@ class Timeline final : public ConfirmedSink {
         }
     }
     std::vector<Tick> ticks;
-    std::uint64_t first = 0;  ///< where it begins
-    bool begins_late = false; ///< it may begin anywhere
+    std::uint64_t first = 0;  ///< the first tick
+    bool begins_late = false; ///< `first` may be any tick
     bool in_order = true;
     std::uint64_t end() const { return first + ticks.size(); }
-    /// The same where both have ticks.
+    /// Returns whether both are equal in all ticks that both have.
     bool agrees(const Timeline& other) const {
         for (std::uint64_t t = std::max(first, other.first); t < std::min(end(), other.end()); ++t)
             if (ticks[t - first] != other.ticks[t - other.first]) return false;
@@ -47,7 +47,7 @@ class Timeline final : public ConfirmedSink {
     }
 };
 
-/// Every fault that a network has.
+/// A link with every fault of networks.
 inline constexpr LinkDef lossy{.latency_ms = 60,
                                .jitter_ms = 30,
                                .loss_permille = 100,
@@ -56,7 +56,7 @@ inline constexpr LinkDef lossy{.latency_ms = 60,
                                .damage_permille = 10};
 
 struct MatchDef {
-    std::vector<PeerId> players = {}; ///< by player the machine; empty: one at each
+    std::vector<PeerId> players = {}; ///< by player: its machine; empty: one player on each machine
     std::uint32_t machines = 2;
     bool lockstep = false;
     std::uint32_t input_delay = 2;
@@ -66,12 +66,12 @@ struct MatchDef {
     std::uint64_t connect_ms = 30'000;
     std::uint32_t absent = 0; ///< of SessionDef; those machines do nothing before Match::join
     std::function<Transport&(PeerId, Transport&)> through =
-        {};             ///< what a machine sends and hears by; none: the network
+        {};             ///< wraps the network's endpoint of a machine; empty: no wrapper
     bool record = true; ///< keep timelines and check events: both allocate
     std::uint64_t seed = 1;
     std::uint32_t inspected_ticks = 64; ///< of RunnerDef
     std::uint32_t run_ahead = 0;
-    std::uint32_t noise_bytes = 0;    ///< that follow the pad in each input, others in each tick
+    std::uint32_t noise_bytes = 0;    ///< bytes after the pad in each input; they change every tick
     std::string column_left_out = {}; ///< of ForgetfulSimulation
 };
 
@@ -84,9 +84,9 @@ inline MatchDef completed(MatchDef def) {
 class Match {
   public:
     struct Machine {
-        std::unique_ptr<Session> session; ///< none: it is not there
+        std::unique_ptr<Session> session; ///< null: the machine is absent
         std::unique_ptr<Simulation> simulation;
-        std::unique_ptr<testing::ForgetfulSimulation> driven; ///< that one, as the runner has it
+        std::unique_ptr<testing::ForgetfulSimulation> driven; ///< wraps `simulation` for the runner
         Timeline timeline;
         EventLaw events;
         std::vector<Notice> notices;
@@ -95,7 +95,7 @@ class Match {
         std::vector<Timeline> lives_before;
     };
 
-    /// `make_simulation(peer)` gives a machine its world.
+    /// `make_simulation(peer)` returns the simulation of a machine.
     template <class Make>
     Match(const MatchDef& match_def, Make&& make)
         : def(completed(match_def)), network(match_def.machines, match_def.link, match_def.seed),
@@ -131,7 +131,7 @@ class Match {
         Transport& wire = network.endpoint(id);
         return def.through ? def.through(id, wire) : wire;
     }
-    /// The machine ends at once: nothing of it is left but what it had confirmed.
+    /// The machine ends at once. Only its confirmed timeline remains.
     void crash(PeerId id) {
         const Timeline before = machines[id]->timeline;
         std::vector<Timeline> lives = std::move(machines[id]->lives_before);
@@ -139,7 +139,7 @@ class Match {
         machines[id] = std::make_unique<Machine>();
         machines[id]->lives_before = std::move(lives);
     }
-    /// A machine that is not there comes late, or back.
+    /// An absent machine joins late, or comes back.
     void join(PeerId id, std::uint32_t life = 1) {
         Machine& m = *machines[id];
         m.timeline.begins_late = true;
@@ -152,7 +152,7 @@ class Match {
         : Match(match_def, [players = static_cast<std::uint32_t>(completed(match_def).players.size())](
                                PeerId) { return std::make_unique<Arena>(players); }) {}
 
-    /// One frame of every machine; machines in `asleep` (bits) do nothing.
+    /// One frame of every machine. Machines in `asleep` (bits) do nothing.
     void frame(std::uint32_t asleep = 0) {
         ++frames;
         now_ms = frames * 1000 / 60;
@@ -179,7 +179,7 @@ class Match {
         }
         while (const auto notice = m.session->next_notice()) m.notices.push_back(*notice);
     }
-    /// A frame in which all machines poll and none goes on.
+    /// A frame in which all machines poll and none advances.
     void pause() {
         ++frames;
         now_ms = frames * 1000 / 60;
@@ -200,10 +200,11 @@ class Match {
         }
         return found;
     }
-    /// Ticks that both have confirmed; equal in inputs, statuses and hashes?
+    /// Returns whether the ticks that both machines have confirmed have equal inputs, statuses and hashes.
     bool agree(PeerId a, PeerId b) const {
         const auto lives_agree = [&](const Timeline& life) { return life.agrees(machines[b]->timeline); };
-        // Of two machines one confirms what the other has not heard yet, and need not hear.
+        // In a match of two, a machine that crashes may have confirmed ticks that the other never receives. Its earlier
+        // lives are then not compared.
         const bool is_kept = def.machines > 2;
         return lives_agree(machines[a]->timeline) &&
                (!is_kept || std::ranges::all_of(machines[a]->lives_before, lives_agree));
@@ -216,7 +217,7 @@ class Match {
     std::uint64_t now_ms = 0;
 
   private:
-    /// Valid until the next call: tests count allocations of frames, so the input has no memory of its own.
+    /// The result is valid until the next call. The buffer is a member because tests count the allocations of frames.
     std::span<const std::byte> scripted_input(std::uint32_t player, std::uint64_t tick) {
         const auto pad = encode_input(scripted_pad(player, tick));
         std::ranges::copy(pad, input.begin());
@@ -235,7 +236,7 @@ class Match {
     std::array<std::byte, input_bytes_max> input{};
 };
 
-/// The hash after the last tick of a timeline whose inputs are run once, without any session.
+/// Runs the inputs of a timeline once, without any session. Returns the hash after the last tick.
 inline std::uint64_t run_straight(const Timeline& timeline, std::uint32_t players, Simulation& simulation) {
     for (const Timeline::Tick& tick : timeline.ticks) {
         std::vector<PlayerInput> inputs;

@@ -1,4 +1,4 @@
-// Whole matches: whatever the network does, all machines confirm the same ticks with the same inputs and states.
+// Whole matches: on every simulated network all machines confirm the same ticks with the same inputs and states.
 #include "session/match.h"
 
 #include <doctest/doctest.h>
@@ -104,7 +104,7 @@ TEST_CASE("players of a machine that falls silent are disconnected at the tick w
     CHECK(left[0].player == 1);
     CHECK(left[0].peer == 1);
     const auto& ticks = match.machine(0).timeline.ticks;
-    REQUIRE(ticks.size() > left[0].tick + 100); // the match goes on
+    REQUIRE(ticks.size() > left[0].tick + 100); // the match continues
     CHECK(ticks[left[0].tick - 1].statuses[1] == InputStatus::confirmed);
     for (std::uint64_t t = left[0].tick; t < ticks.size(); ++t) {
         REQUIRE(ticks[t].statuses[1] == InputStatus::disconnected);
@@ -124,7 +124,7 @@ TEST_CASE("machines that remain agree on the tick where a player left, though th
                      .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100},
                      .seed = seed});
         match.run(300);
-        match.network.set_link(2, 0, {.loss_permille = 1000}); // machine 1 hears machine 2 a little longer
+        match.network.set_link(2, 0, {.loss_permille = 1000}); // machine 1 receives machine 2 a little longer
         match.run(6);
         match.network.unplug(2);
         match.run(400);
@@ -143,7 +143,8 @@ TEST_CASE("machines that remain agree on the tick where a player left, though th
 TEST_CASE("the machine that hears of a departure before it has all inputs waits for them") {
     Match match({.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 60}});
     match.run(300);
-    // Machine 0 hears machine 2 a second late, and never its last words; machine 1 hears all and gives up first.
+    // Machine 0 receives machine 2 a second late, and never its last packets. Machine 1 receives all and times out
+    // first.
     match.network.set_link(2, 0, {.latency_ms = 900});
     match.run(20);
     match.network.set_link(2, 0, {.loss_permille = 1000});
@@ -199,7 +200,7 @@ TEST_CASE(
     for (std::uint64_t frame = 0; frame < 600; ++frame) {
         network.advance_to(frame * 16);
         for (PeerId id = 0; id < 2; ++id) {
-            input.fill(static_cast<std::byte>(sessions[id]->current_tick())); // never repeats
+            input.fill(static_cast<std::byte>(sessions[id]->current_tick())); // changes every tick
             for (std::uint32_t p = 0; p < 16; ++p) {
                 if (def.players[p] == id) sessions[id]->add_local_input(p, input);
             }

@@ -11,7 +11,7 @@ namespace {
 std::vector<std::pair<std::uint64_t, std::uint32_t>> arrivals(const LinkDef& link, std::uint64_t seed,
                                                               std::uint32_t count) {
     SimulatedNetwork network(2, link, seed);
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> out; // when, what
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> out; // time [ms], value
     for (std::uint64_t now = 0; now < count + 1000; ++now) {
         network.advance_to(now);
         const std::array bytes{static_cast<std::byte>(now), static_cast<std::byte>(now >> 8)};

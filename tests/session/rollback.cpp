@@ -1,4 +1,4 @@
-// What sessions ask for, request by request.
+// The requests of a session, one by one.
 #include "session/match.h"
 
 #include <doctest/doctest.h>
@@ -22,7 +22,7 @@ std::string text_of(const Step& step) {
     return out.empty() ? out : out.substr(1);
 }
 
-/// Two machines with one player and one byte of input each; hashes are made up, the same on both.
+/// Two machines with one player and one byte of input each. The hashes are invented, and equal on both machines.
 struct Pair {
     SimulatedNetwork network;
     std::array<std::unique_ptr<Session>, 2> sessions;
@@ -86,8 +86,8 @@ TEST_CASE("a wrong guess loads the state before it and runs up to the present ag
           "on guesses") {
     Pair pair(8);
     for (unsigned i = 0; i < 5; ++i) pair.step(0, 1);
-    pair.step(1, 0); // tick 0 as guessed
-    pair.step(1, 9); // tick 1 not
+    pair.step(1, 0); // tick 0 as predicted
+    pair.step(1, 9); // tick 1 not as predicted
     pair.poll(1);
     pair.poll(0);
     CHECK(pair.step(0, 1) == "L1 a1cc S2 a2cp S3 a3cp S4 a4cp S5 A5cp");
@@ -138,7 +138,7 @@ TEST_CASE("without the local input there is no tick") {
 
 TEST_CASE("lockstep runs a tick when all its inputs are here, never before, and never saves") {
     Pair pair(0, 2);
-    CHECK(pair.step(0, 1) == ""); // machine 1 has said nothing for tick 0
+    CHECK(pair.step(0, 1) == ""); // machine 1 has sent nothing for tick 0
     pair.input(1, 1);
     pair.poll(1);
     pair.poll(0);

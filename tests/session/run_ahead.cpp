@@ -1,4 +1,4 @@
-// The world is shown some ticks ahead, and nothing that counts notices.
+// The runner shows the world some ticks ahead. Confirmed ticks, inputs and events do not change by that.
 #include "session/run_ahead.h"
 
 #include <doctest/doctest.h>
@@ -14,10 +14,10 @@ TEST_CASE("a match that is shown ahead confirms, and tells of, the same as one t
 }
 
 TEST_CASE("going on from what is shown ahead is noticed") {
-    // The planted twin: a column keeps what it had ahead when the runner comes back.
+    // The planted fault: one column keeps its value of the shown tick when the runner restores the present one.
     MatchDef def{.players = {0}, .machines = 1, .input_delay = 0};
     def.column_left_out = "agent.motion";
-    CHECK(shown_ahead(def, 0) == ""); // nothing goes back: nothing is left out
+    CHECK(shown_ahead(def, 0) == ""); // without run-ahead nothing is restored, so the column does no harm
     CHECK(shown_ahead(def, 2) == "what is confirmed is not what it is without");
 }
 
@@ -44,10 +44,11 @@ TEST_CASE("what is shown is what comes when the present input is held") {
 TEST_CASE("with an input delay the inputs that are known are shown before the last one is held") {
     AheadMatch match({.players = {0}, .machines = 1, .input_delay = 2, .run_ahead = 4}),
         plain({.players = {0}, .machines = 1, .input_delay = 2});
-    match.play(100), plain.play(102); // two ticks on these inputs come for sure
+    match.play(100), plain.play(102); // ticks 100 and 101 run on inputs that are given already
     Arena expected(1);
     expected.state() = plain.arena(0).state();
-    const auto last = encode_input(scripted_pad(0, 99)); // of tick 101, the newest that was given by then
+    // the input of tick 101, the newest one given by then
+    const auto last = encode_input(scripted_pad(0, 99));
     const PlayerInput input{last, InputStatus::confirmed};
     for (int i = 0; i < 2; ++i) expected.advance({&input, 1});
     CHECK(match.arena(0).hash() == expected.hash());
@@ -60,7 +61,7 @@ TEST_CASE("a frame that is shown k ticks ahead costs k ticks and one restore mor
     CHECK(match.arena(0).restores == plain.arena(0).restores + 199);
     CHECK(match.arena(0).saves == plain.arena(0).saves);
     const std::uint64_t hash = plain.arena(0).hash();
-    match.machine(0).runner.reset(); // and then the simulation stands where it is played
+    match.machine(0).runner.reset(); // then the simulation holds the played tick, not the shown one
     CHECK(match.arena(0).hash() == hash);
 }
 

@@ -1,4 +1,4 @@
-// Matches that are shown some ticks ahead, beside the same ones that are not. For the tests and for the planted faults.
+// Matches that are shown some ticks ahead, beside equal matches that are not. For the tests and for the planted faults.
 #pragma once
 
 #include "session/hostile_scenes.h"
@@ -6,7 +6,7 @@
 
 namespace lockstone::test {
 
-/// Counts what its runner has it do.
+/// Counts the calls that its runner makes.
 class CountingArena final : public Arena {
   public:
     using Arena::Arena;
@@ -27,13 +27,13 @@ class CountingArena final : public Arena {
 };
 
 struct AheadMatch : Match {
-    std::vector<std::string> told; ///< of machine 0's events
+    std::vector<std::string> told; ///< the texts of machine 0's events
     explicit AheadMatch(const MatchDef& of)
         : Match(of, [players = static_cast<std::uint32_t>(completed(of).players.size())](PeerId) {
               return std::make_unique<CountingArena>(players);
           }) {}
     CountingArena& arena(PeerId id) { return static_cast<CountingArena&>(*machine(id).simulation); }
-    /// Of the state that is shown.
+    /// The tick of the shown state.
     std::uint64_t shown_tick(PeerId id) { return arena(id).state().rows(arena_columns().clock)[0].tick; }
     void play(int frames_to_run) {
         for (int i = 0; i < frames_to_run; ++i) {
@@ -46,7 +46,8 @@ struct AheadMatch : Match {
     }
 };
 
-/// Whether a match is the same with `ticks` shown ahead and without. What is not, or nothing.
+/// Compares a match shown `ticks` ahead with the same match without. Returns a sentence about the first difference, or
+/// an empty string.
 inline std::string shown_ahead(MatchDef def, std::uint32_t ticks) {
     AheadMatch plain(def);
     def.run_ahead = ticks;

@@ -1,5 +1,5 @@
-// The scenes with vehicles, characters and joints under rollback: every tick run again from a saved state, through the session and its
-// event ledger.
+// The scenes with vehicles, characters and joints under rollback: every tick runs again from a saved state, through the
+// session and its event ledger.
 #include "scenes/scenes.h"
 #include "cli/match/event_law.h"
 #include "lockstone/session.h"
@@ -17,8 +17,8 @@ namespace {
 
 /// Two scripted players of a scene.
 struct Played {
-    std::string fault;          ///< of rolling back at every tick: empty, where that leaves no trace
-    std::uint64_t landings = 0; ///< of characters, confirmed
+    std::string fault;          ///< the error of a run that rolls back at every tick; empty without one
+    std::uint64_t landings = 0; ///< confirmed landings of characters
 };
 
 Played play(const char* scene, std::uint32_t size, std::uint32_t depth, int ticks,
@@ -57,7 +57,7 @@ struct Row {
     const char* scene;
     std::uint32_t size, depth;
     int ticks;
-    const char* column; ///< planted: left out of the snapshots
+    const char* column; ///< planted fault: the column that the snapshots leave out
 };
 
 constexpr Row rows[] = {{"ragdolls", 4, 4, 120, "game.players"},

@@ -1,4 +1,4 @@
-// Makes the checksum of a changed packet right again, so that the change reaches the checks behind it.
+// Writes a valid checksum into a changed packet, so that the change reaches the checks after the checksum.
 #pragma once
 
 #include "session/link/message.h"
@@ -8,7 +8,7 @@
 
 namespace lockstone::test {
 
-/// Of either form. Sequence numbers and ticks are those that stand in the packet: below 65,536.
+/// Takes packets of both forms. Sequence numbers and ticks are below 65,536, as the packet holds them.
 inline void seal(std::vector<std::byte>& packet, std::uint32_t match) {
     if (packet.size() < 9) return;
     const std::span body(packet.data(), packet.size() - 4);

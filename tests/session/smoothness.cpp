@@ -1,7 +1,8 @@
-// How a match feels over a bad network, and that it stays right over a hopeless one.
+// The motion of a match over a bad network is smooth, and over a hopeless network the match stays correct.
 //
-// Bounds, from what players bear: at 5 % loss and 100 +- 20 ms of round trip nothing stands still for more than 100 ms, and of
-// 100 frames that roll back 99 roll back at most 8 ticks. fortress-rollback tells of 15 stalls a minute there.
+// Bounds, from the delays that players tolerate: at 5 % loss and a round trip of 100 +- 20 ms no machine stops for more
+// than 100 ms, and of 100 frames that roll back 99 roll back at most 8 ticks. fortress-rollback reports 15 stalls a
+// minute there.
 #include "session/match.h"
 
 #include <doctest/doctest.h>
@@ -12,7 +13,7 @@ using namespace lockstone::test;
 namespace {
 
 struct Feel {
-    std::vector<std::uint64_t> depths; ///< of each rollback [ticks]
+    std::vector<std::uint64_t> depths; ///< by rollback [ticks]
     std::uint64_t stalls = 0, longest_ms = 0, frames = 0;
 
     std::uint64_t depth_of(std::uint64_t permille) {
@@ -21,7 +22,7 @@ struct Feel {
     }
 };
 
-/// A minute, after the machines have found each other.
+/// Plays a minute after the machines have connected.
 Feel play(const LinkDef& link, std::uint64_t seed) {
     Match match({.link = link, .seed = seed});
     match.run(120);

@@ -1,4 +1,4 @@
-// The sync test: silent on a sound game, and exact about what is wrong with an unsound one.
+// The sync test reports no error in a sound game, and the exact error in an unsound one.
 #include "session/match.h"
 
 #include <doctest/doctest.h>
@@ -34,7 +34,7 @@ struct SyncTest {
     }
 };
 
-/// Remembers something outside the state: the classic mistake.
+/// Keeps a value outside of the state: a classic mistake.
 class ForgetfulArena final : public Arena {
   public:
     using Arena::Arena;
@@ -47,7 +47,7 @@ class ForgetfulArena final : public Arena {
     std::uint64_t calls = 0;
 };
 
-/// Reads whether an input is a guess: the other classic mistake.
+/// Reads whether an input is predicted: the other classic mistake.
 class StatusArena final : public Arena {
   public:
     using Arena::Arena;

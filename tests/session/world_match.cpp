@@ -1,4 +1,4 @@
-// The real thing: worlds of bodies with contacts, driven by players over a bad network.
+// Matches of real worlds: bodies with contacts, driven by players over a bad network.
 #include "lockstone/session/forgetful.h"
 #include "session/match.h"
 
@@ -12,7 +12,7 @@ using namespace lockstone::test;
 
 namespace {
 
-/// Eight balls on a plane; each player pushes every ball with their remainder, and all bump into each other.
+/// Eight balls on a plane. Each player pushes all balls, each by its own remainder, and the balls collide.
 class PushGame final : public Game {
   public:
     std::string name() const override { return "push"; }
@@ -44,10 +44,11 @@ class PushGame final : public Game {
             const BodyId body = world.body_at(row);
             if (world.kind(body) != BodyKind::dynamic) continue;
             const Pad pad = decode_input<Pad>(inputs[world.user_key(body) % 2]);
-            const Vec3 place = world.pose(body).position; // pulled home, so that nobody leaves the ground
+            // a pull to the origin keeps the balls on the ground
+            const Vec3 place = world.pose(body).position;
             const Vec3 force{Real(pad.push / 8) - place.x * 400, 0_r,
                              Real(pad.buttons) * 900 - place.z * 400};
-            if (!world.add_force(body, force)) continue; // out of range: none
+            if (!world.add_force(body, force)) continue; // out of range: no force
         }
         world.tick();
         return {};
@@ -61,7 +62,7 @@ class PushGame final : public Game {
     }
 };
 
-/// Owns its world, which WorldSimulation does not.
+/// A simulation that owns its world. WorldSimulation does not own it.
 class PushSimulation final : public Simulation {
   public:
     explicit PushSimulation(const Game& rules) : world(rules.start().value()), driven(world, rules) {}

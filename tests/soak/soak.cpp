@@ -1,12 +1,14 @@
-// Worlds under random commands: bodies, shapes and joints come and go, are thrown, teleported and given extreme values.
-// One build prints what another has to print too; tests/soak/run compares, and shrinks what differs.
+// Worlds under random commands: bodies, shapes and joints are created, destroyed, thrown, teleported and get extreme
+// values.
+// Two builds must print equal lines; tests/soak/run compares them, and shrinks a script that differs.
 //
 //   soak --seeds FIRST LAST TICKS      a line for each seed: seed, digest of the hashes of all its ticks
 //   soak --script-of SEED TICKS        the script of a seed
 //   soak FILE                          runs a script: a line for each tick, number and hash
 //
-// A script is a line for each command: tick, operation, two numbers that choose what it is done to, a seed of its values.
-// Its first line is "ticks N". What a command names may be gone, and its values out of range: then the world refuses it.
+// A script has a line for each command: tick, operation, two numbers that select its target, a seed of its values.
+// Its first line is "ticks N". A target may be destroyed and values may be out of range: then the world refuses the
+// command.
 #include "lockstone/math/math.h"
 #include "lockstone/math/random.h"
 #include "lockstone/world.h"
@@ -69,7 +71,7 @@ Script script_of(std::uint64_t seed, std::uint64_t ticks) {
     return script;
 }
 
-/// Values for definitions: mostly tame, sometimes at or beyond the end of what is allowed.
+/// Values for definitions: mostly moderate, sometimes at or beyond the limits.
 class Values {
   public:
     explicit Values(std::uint64_t seed) : random(Random::seeded(seed)) {}
@@ -120,7 +122,7 @@ class Values {
     Random random;
 };
 
-/// A world, and what a script has made in it.
+/// A world, and the objects that a script has made in it.
 class Soaked {
   public:
     Soaked() : world(start()) {}
@@ -147,7 +149,7 @@ class Soaked {
         const std::vector<ShapeId> shapes = world.shapes(body(number));
         return shapes.empty() ? ShapeId{} : shapes[number / 64 % shapes.size()];
     }
-    template <class T> static void told(const Result<T>&) {} // a refusal is an answer too
+    template <class T> static void told(const Result<T>&) {} // a refusal is a result too
 
     void apply(const Step& s, Values& v) {
         switch (s.operation) {
@@ -172,7 +174,7 @@ class Soaked {
         case destroy_shape:
             return told(world.destroy(shape(s.a)));
         case create_joint: {
-            // One after the other: compilers differ in the order of a call's arguments.
+            // Separate statements: the evaluation order of a call's arguments is unspecified.
             const JointDef def = joint(v);
             return told(world.create_joint(def, body(s.a), body(s.b), v.pose()));
         }
@@ -225,7 +227,7 @@ class Soaked {
             return told(world.destroy(FieldId{s.a % 4 + 1, s.b % 4 + 1}));
         case wake:
             return told(world.wake_body(body(s.a)));
-        case roll_back: // as under rollback: what ran in between leaves no trace
+        case roll_back: // as in a rollback: the ticks in between must leave no trace
             world.save(image);
             for (std::uint32_t i = 0; i < s.a % 5; ++i) world.tick();
             return world.restore(image);
@@ -246,7 +248,7 @@ class Soaked {
     Image image;
 };
 
-/// Calls after(tick, hash) when each tick has run.
+/// Calls after(tick, hash) after each tick.
 template <class After> void run_script(const Script& script, After&& after) {
     Soaked soaked;
     std::size_t next = 0;

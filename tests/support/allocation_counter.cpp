@@ -11,7 +11,7 @@ thread_local std::uint64_t allocations = 0;
 void* allocate(std::size_t size, std::size_t alignment) {
     ++allocations;
     if (size == 0) size = 1;
-    // aligned_alloc wants a multiple of the alignment.
+    // aligned_alloc requires a multiple of the alignment.
     return alignment <= alignof(std::max_align_t)
                ? std::malloc(size)
                : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
@@ -31,7 +31,8 @@ std::uint64_t AllocationCounter::count() const { return allocations - start; }
 
 } // namespace lockstone::test
 
-// The array forms of the library forward to these; the nothrow one is here for the sanitizers, whose own does not.
+// The library's array forms forward to these. The nothrow form is here for the sanitizers, whose own one does not
+// forward.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return allocate(size, 1); }
 void* operator new(std::size_t size) { return allocate_or_throw(size, 1); }
 void* operator new(std::size_t size, std::align_val_t alignment) {

@@ -1,4 +1,4 @@
-// Counts allocations made through operator new while it lives, on the thread that made it.
+// Counts allocations through operator new during its lifetime, on the thread that made it.
 //
 //   AllocationCounter counter;
 //   world.save(image);

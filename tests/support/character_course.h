@@ -1,4 +1,4 @@
-// Worlds for characters: short ways to place one, to drive it and to ask where it is.
+// Worlds for characters: short functions that place a character, drive it and return its place.
 #pragma once
 
 #include "support/sim_scenes.h"
@@ -37,7 +37,7 @@ inline void add_stairs(World& w, int count, double height, double depth) {
     const double top = count * height;
     add_wall(w, at(1 + count * depth + 5, top / 2, 0), vec(5, top / 2, 3));
 }
-/// How deep a character's capsule is in anything that it does not ignore: 0 when it is free.
+/// How deep a character's capsule is in any shape that it does not ignore; 0 without overlap.
 inline double overlap(const World& w, CharacterId c) {
     const CharacterDef def = w.character(c);
     const bool crouched = w.character_state(c).crouched != 0;

@@ -1,4 +1,4 @@
-// Contact points are made when somebody asks for them: whether it matters when.
+// The world computes contact points on request. The time of the request must not change them.
 #pragma once
 
 #include "support/sim_script.h"
@@ -14,7 +14,7 @@ inline bool same_point(const World::ContactPoint& a, const World::ContactPoint& 
            a.part_b == b.part_b;
 }
 
-/// One command after a tick, each time another kind, on a body that touches something where there is one.
+/// Applies one command after a tick, of another kind each time, to a touching body if there is one.
 inline void command_after_tick(World& w, std::uint64_t tick, BodyId touching) {
     const BodyId b =
         w.is_alive(touching) ? touching : w.body_at(static_cast<std::uint32_t>(tick % w.body_count()));
@@ -47,7 +47,7 @@ inline void command_after_tick(World& w, std::uint64_t tick, BodyId touching) {
     }
 }
 
-/// Boxes that fall asleep one after the other while a ball rolls on; one is woken now and then.
+/// Boxes that fall asleep in sequence while a ball rolls. Sometimes a box is woken.
 inline World start_quiet() {
     World w = made(World::create(drowsy_def()));
     add_floor(w);
@@ -61,7 +61,8 @@ inline void step_quiet(World& w) {
         done(w.add_impulse(w.body_at(1 + static_cast<std::uint32_t>(tick % 5)), vec(0, 3000, 0)));
     w.tick();
 }
-/// Whether a point lies on a dynamic body of its two, within two metres of it: no other body of this scene is so near for long.
+/// Returns whether a point lies within two metres of one of its dynamic bodies. No other body of this scene is that
+/// near for long.
 inline bool is_on_bodies(const World& w, const World::ContactPoint& point) {
     for (const ShapeId shape : {point.shape_a, point.shape_b}) {
         const BodyId body = w.body_of(shape);
@@ -71,7 +72,7 @@ inline bool is_on_bodies(const World& w, const World::ContactPoint& point) {
     return true;
 }
 
-/// Points that are asked for late, after contacts of what fell asleep left the table: as late_points_difference().
+/// Requests points late, after contacts of sleeping bodies have left the table; see late_points_difference().
 inline std::string points_of_sleepers_difference(int ticks) {
     World early = start_quiet(), late = start_quiet();
     std::size_t seen = 0;
@@ -92,8 +93,8 @@ inline std::string points_of_sleepers_difference(int ticks) {
     return seen > 100 ? "" : "hardly any contact points";
 }
 
-/// Runs a script twice: once the contact points are asked for right after each tick, once after a command that follows it.
-/// Empty when they are the same, and some were; else the tick.
+/// Runs a script twice. One run requests the contact points right after each tick, the other after a later command.
+/// Returns an empty string if the points are equal and not few, else the tick.
 inline std::string late_points_difference(Scenery scenery, std::uint64_t ticks) {
     World early = start_script(scenery), late = start_script(scenery);
     std::size_t seen = 0;

@@ -52,7 +52,7 @@ inline Soup bracket() {
     return soup;
 }
 
-/// Round about the y axis through the origin.
+/// A torus about the y axis.
 inline Soup torus(double radius, double thickness, std::uint32_t around, std::uint32_t across) {
     Soup soup;
     const auto index = [&](std::uint32_t i, std::uint32_t j) { return i % around * across + j % across; };
@@ -67,7 +67,7 @@ inline Soup torus(double radius, double thickness, std::uint32_t around, std::ui
     return soup;
 }
 
-/// Points on a ball, evenly.
+/// Points spread evenly over a ball.
 inline std::vector<Point> ball(double radius, std::size_t count) {
     std::vector<Point> out;
     for (std::size_t i = 0; i < count; ++i) {
@@ -78,7 +78,7 @@ inline std::vector<Point> ball(double radius, std::size_t count) {
     return out;
 }
 
-/// cells x cells squares of 1 m with a bump, seen from above.
+/// cells x cells squares of 1 m with a bump, facing up.
 inline Soup hill(std::uint32_t cells) {
     Soup soup;
     const std::uint32_t side = cells + 1;

@@ -1,4 +1,4 @@
-// A simulation that breaks one rule of determinism: its result depends on how its ticks are run. For tests of proofs.
+// A simulation that breaks one rule of determinism: its result depends on its execution mode. For tests of proofs.
 #pragma once
 
 #include "lockstone/prove.h"
@@ -11,12 +11,12 @@ namespace lockstone::test {
 
 enum class ReadsMode {
     nothing,
-    instruction_set, ///< a tick reads whether the fastest instruction set of the machine was chosen
+    instruction_set, ///< a tick reads whether the machine's fastest instruction set is in use
     workers,         ///< a tick reads whether there are 4 workers
-    load,            ///< load() reads whether that set was chosen and there are 2 workers
+    load,            ///< load() reads whether that set is in use with 2 workers
 };
 
-/// One number. Each mode that a tick runs in goes into `seen`, if there is one, which outlives all objects.
+/// A simulation of one number. If `seen` is set, each mode of a tick is stored in it; `seen` must outlive all objects.
 class ModeReader final : public Provable {
   public:
     using Seen = std::set<std::pair<Simd, std::uint32_t>>; ///< instruction set, workers

@@ -1,4 +1,4 @@
-// One axis that a joint leaves free, and what it is asked: where it stops, how it swings.
+// One free axis of a joint, and checks of its limits, motors, friction and springs.
 #pragma once
 
 #include "support/rigs/joint_scenes.h"
@@ -8,9 +8,10 @@
 
 namespace lockstone::test::scene {
 
-inline constexpr double crate_mass = 1000, crate_inertia = 1000.0 / 6; ///< 1 m of water
+/// a box of 1 m with the density of water
+inline constexpr double crate_mass = 1000, crate_inertia = 1000.0 / 6;
 
-/// A crate on a joint to the world, in its middle, loaded along or about one axis.
+/// A crate on a joint to the world, at its middle, loaded along or about one axis.
 struct OneAxis {
     World world = bare_world();
     BodyId body;
@@ -41,7 +42,8 @@ inline bool near(double value, double expected, double tolerance) {
     return std::abs(value - expected) <= tolerance;
 }
 
-/// What `make()` returns is pushed by `load` to both sides: it has to come to rest at -0.3 and 0.5, and to be nowhere beyond.
+/// Pushes the object that `make()` returns by `load` to both sides. It must come to rest at -0.3 and 0.5, and never be
+/// beyond.
 template <class Make> std::string stop_fault(Make&& make, double load) {
     for (const double side : {-1.0, 1.0}) {
         auto one = make();
@@ -58,8 +60,9 @@ template <class Make> std::string stop_fault(Make&& make, double load) {
     return {};
 }
 
-/// A motor drives the axis that `make(axis)` returns to 0.5 a second at 2 a second per second and no faster, though three quarters of
-/// that pull back; a greater load meets its whole force. The unit of a load is the acceleration that it alone would bring. `way`: 1 or -1.
+/// A motor must drive the axis that `make(axis)` returns to 0.5 per second, at 2 per second squared and no faster,
+/// against a load of three quarters of its force. A greater load meets the whole force. The unit of a load is the
+/// acceleration that it alone would cause. `way`: 1 or -1.
 template <class Make> std::string motor_fault(Make&& make, double force, double way) {
     auto one =
         make(JointAxis{.mode = AxisMode::free, .motor_speed = real(0.5 * way), .motor_force = real(force)});
@@ -78,7 +81,8 @@ template <class Make> std::string motor_fault(Make&& make, double force, double 
     return {};
 }
 
-/// A load of 0.9 of what friction of 2 a second per second bears moves nothing; of one of 3 the rest is left.
+/// The axis has a friction that balances a load of 2. A load of 1.8 must not move it; a load of 3 must accelerate it by
+/// the remainder.
 template <class Make> std::string friction_fault(Make&& make, double friction) {
     auto one = make(JointAxis{.mode = AxisMode::free, .friction = real(friction)});
     one.run(60, 1.8);
@@ -90,7 +94,7 @@ template <class Make> std::string friction_fault(Make&& make, double friction) {
     return {};
 }
 
-/// One that was hit: an oscillator passes zero every half period, and its extremes shrink by exp(-zeta w t).
+/// An oscillator after a hit: it must pass zero every half period, and its extremes must shrink by exp(-zeta w t).
 template <class One> std::string swing_fault(One& one, double frequency, double damping) {
     constexpr double half_turn = 3.141592653589793;
     double before = one.position(), first = -1, last = -1, highest = 0, lowest = 0;

@@ -1,4 +1,4 @@
-// One pair of shapes through the lanes of an instruction set.
+// Runs one pair of shapes through the lanes of an instruction set.
 #pragma once
 
 #include "solve/kernels/kernels.h"
@@ -8,7 +8,7 @@
 
 namespace lockstone::tests {
 
-/// Where B stands to A, whose frame is the world's.
+/// The place of B relative to A, whose frame is the world's.
 struct PairStand {
     CoordinateVec3 position;
     Quat rotation;
@@ -18,7 +18,7 @@ struct PairStand {
 };
 struct Recycled {
     bool serves;
-    std::vector<solve::PairContact> contacts; ///< by row, where they serve
+    std::vector<solve::PairContact> contacts; ///< by row, where they are valid
 };
 
 inline Recycled recycle(std::span<const solve::ContactMemory> rows, const PairStand& now,

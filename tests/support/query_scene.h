@@ -1,4 +1,4 @@
-// A world with one of everything, and random questions to it.
+// A world with objects of every kind, and random queries.
 #pragma once
 
 #include "support/random.h"
@@ -51,7 +51,7 @@ struct Assets {
     }
 };
 
-/// `geometry(i)` for i = 0..8: every kind that moves.
+/// `geometry(i)` for i = 0..8: every kind of moving shape.
 inline Geometry moving_geometry(const Assets& assets, int i) {
     switch (i % 9) {
     case 0:
@@ -75,7 +75,7 @@ inline Geometry moving_geometry(const Assets& assets, int i) {
     }
 }
 
-/// A mesh beside a height field above a plane, and `count` bodies that fall on them. `order`: in which the bodies are made.
+/// A mesh beside a height field above a plane, and `count` falling bodies. `order`: the order of their creation.
 inline World crowd(const Assets& assets, int count, const std::vector<int>& order = {}) {
     WorldDef def = small_def();
     def.bodies_max = def.shapes_max = 256;
@@ -102,7 +102,7 @@ inline World crowd(const Assets& assets, int count, const std::vector<int>& orde
     return w;
 }
 
-/// Everything one question was answered with, as bytes in an order.
+/// The results of queries as bytes, in a fixed order.
 struct Answers {
     std::vector<std::byte> bytes;
 
@@ -127,7 +127,7 @@ inline Ray random_ray(RandomPoint& random) {
     return {vec3(from), vec3(far * (to - from))};
 }
 
-/// `count` random questions of all kinds.
+/// `count` random queries of all kinds.
 inline Answers ask(const World& w, const Assets& assets, std::uint64_t seed, int count) {
     RandomPoint random(seed);
     Answers answers;

@@ -1,4 +1,4 @@
-// Random numbers for tests, the same on every machine.
+// Random numbers for tests, equal on every machine.
 #pragma once
 
 #include "support/sim_scenes.h"
@@ -15,7 +15,7 @@ struct RandomPoint {
     double operator()(double low, double high) {
         return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
     }
-    /// Within x of the y axis along x and z, and between two heights.
+    /// A point within x of the y axis along x and z, between two heights.
     D3 point(double x, double low, double high) {
         return {(*this)(-x, x), (*this)(low, high), (*this)(-x, x)};
     }
@@ -33,7 +33,7 @@ struct RandomPoint {
 };
 inline Vec3 vec3(D3 v) { return vec(v[0], v[1], v[2]); }
 
-/// How many of something: more with LOCKSTONE_LONG=1 in the environment.
+/// The number of samples: more with LOCKSTONE_LONG=1 in the environment.
 inline int samples(int quick, int thorough) {
     return std::getenv("LOCKSTONE_LONG") != nullptr ? thorough : quick;
 }

@@ -1,4 +1,4 @@
-// Commands that have to be refused.
+// Commands that the world must refuse.
 #pragma once
 
 #include "lockstone/world.h"
@@ -7,7 +7,8 @@
 
 namespace lockstone::test::scene {
 
-/// Empty when the command is refused with a sentence that has `words`, and no bit of the world changed.
+/// Returns an error sentence unless the command is refused with a sentence that contains `words`, and no bit of the
+/// world changes.
 inline std::string refusal_fault(World& w, const Command& command, const std::string& words) {
     const std::uint64_t hash = w.hash();
     const Result<World::Applied> result = w.apply(command);

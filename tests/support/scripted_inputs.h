@@ -1,4 +1,4 @@
-// Inputs of all players of a game at a tick, as its script has them.
+// Inputs of all players of a game at a tick, from its script.
 #pragma once
 
 #include "scenes/scenes.h"
@@ -14,7 +14,7 @@ class ScriptedInputs {
         : game(from), seed(seed_of_script),
           bytes(game.player_count(), std::vector<std::byte>(game.input_size())), inputs(game.player_count()) {
     }
-    /// Until the next call.
+    /// Valid until the next call.
     std::span<const PlayerInput> at(std::uint64_t tick) {
         for (std::uint32_t p = 0; p < inputs.size(); ++p) {
             scripted_input(game, seed, tick, p, bytes[p]);

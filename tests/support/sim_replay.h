@@ -1,4 +1,4 @@
-// The checker of the contract: does a world that was moved or restored go on as the run that never stopped?
+// The checker of the contract: a moved or restored world must continue like the run that never stopped.
 #pragma once
 
 #include "lockstone/state.h"
@@ -15,8 +15,8 @@ struct Story {
     std::function<World()> start;
     std::function<void(World&)> step = [](World& w) { w.tick(); };
     int ticks = 60;         ///< of the run
-    std::size_t after = 10; ///< ticks that a restored world is followed
-    int moved_every = 1;    ///< ticks from one move to another world to the next
+    std::size_t after = 10; ///< ticks in which a restored world is compared
+    int moved_every = 1;    ///< ticks between moves to another world
     std::size_t after_move = 8;
 };
 
@@ -39,7 +39,7 @@ inline std::uint64_t hash_of_events(const World& w) {
     return hash_bytes(bytes);
 }
 
-/// A run that never stopped: the hash and the events after each tick and an image before it.
+/// A run without interruption: the hash and the events after each tick and an image before it.
 struct Run {
     Story story;
     std::vector<Image> images;
@@ -58,7 +58,8 @@ inline Run run_of(const Story& story) {
     return run;
 }
 
-/// Runs `w`, which is at tick `from`, for at most `ticks` along the run. Empty when every hash and all events agree.
+/// Runs `w`, which is at tick `from`, for at most `ticks`, and compares it with the run. Empty when every hash and all
+/// events agree.
 inline std::string departs(const Run& run, World& w, std::size_t from, std::size_t ticks) {
     const std::string where = "from tick " + std::to_string(from) + ": ";
     for (std::size_t t = from;; ++t) {
@@ -74,7 +75,7 @@ inline std::string departs(const Run& run, World& w, std::size_t from, std::size
     }
 }
 
-/// All that a journal hears.
+/// All calls that a journal gets.
 struct Tape : Journal {
     void on_restore(std::uint64_t) override {}
     struct Entry {

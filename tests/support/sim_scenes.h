@@ -1,4 +1,5 @@
-// Worlds for tests of the simulation: short ways to say what is in them, and checks that name where two of them part.
+// Worlds for tests of the simulation: short functions that add objects, and checks that name the first difference of
+// two worlds.
 #pragma once
 
 #include "lockstone/math/convert.h"
@@ -21,7 +22,7 @@ inline Vec3 vec(double x, double y, double z) { return {real(x), real(y), real(z
 inline Transform at(double x, double y, double z, Quat rotation = Quat::identity()) {
     return {vec(x, y, z), rotation};
 }
-/// Turned about one of the axes by degrees.
+/// A rotation about one of the axes by degrees.
 inline Quat turned(UnitVec3 axis, double degrees) {
     return from_axis_angle(axis, real(degrees * 3.14159265358979323846 / 180));
 }
@@ -45,13 +46,13 @@ inline void done(const Status& status) {
     if (!status) throw std::runtime_error(status.error().message);
 }
 
-/// A definition with small tables, so that states are small too.
+/// A definition with small tables, so that states are small.
 inline WorldDef small_def() {
-    WorldDef def = WorldDef::precise(); // the bounds of most laws are those of eight substeps
+    WorldDef def = WorldDef::precise(); // most laws have bounds for eight substeps
     def.bodies_max = def.shapes_max = 64;
     def.contacts_max = 512;
     def.fields_max = 4;
-    def.sleeping = 0; // or what is looked at may have fallen asleep
+    def.sleeping = 0; // a tested body must not fall asleep
     return def;
 }
 inline WorldDef drowsy_def() {
@@ -84,13 +85,13 @@ inline BodyId add_ball(World& w, const Transform& pose, double radius = 0.5, dou
     return add(w, {.pose = pose}, {.geometry = sphere(real(radius)), .restitution = real(restitution)});
 }
 
-/// Boxes of 1 m, one on another.
+/// Boxes of 1 m, stacked.
 inline std::vector<BodyId> add_stack(World& w, int height) {
     std::vector<BodyId> boxes;
     for (int i = 0; i < height; ++i) boxes.push_back(add_crate(w, at(0, 0.5 + i, 0)));
     return boxes;
 }
-/// A wall of `base` boxes of 1 m below, one fewer in each row above.
+/// A wall with `base` boxes of 1 m in the bottom row and one fewer in each row above.
 inline std::vector<BodyId> add_pyramid(World& w, int base) {
     std::vector<BodyId> boxes;
     for (int row = 0; row < base; ++row)
@@ -100,21 +101,21 @@ inline std::vector<BodyId> add_pyramid(World& w, int base) {
 }
 
 inline constexpr double speed_step =
-    1.0 / (1 << 19); ///< of an impulse over mass [m/s]: what roundings leave of a speed at rest
+    1.0 / (1 << 19); ///< of an impulse over mass [m/s]: rounding leaves up to this speed at rest
 
-/// How far contacts between bodies give: a load F on a contact between m1 and m2 sinks it by F / m * give, 1 / m = 1 / m1 + 1 / m2.
-/// In the steady state of a soft step (Catto, Solver2D, 2024) what a substep pushes is what it lets go, which makes the contact a
-/// spring of m (2 pi f)^2 whatever its damping. f is contact_hertz, at most 3 / 16 of the substep rate. On what does not move f is
-/// twice that, and this a quarter. [s^2]
+/// The compliance of contacts between bodies: a load F on a contact between m1 and m2 sinks it by F / m * give, 1 / m =
+/// 1 / m1 + 1 / m2. In the steady state of a soft step (Catto, Solver2D, 2024) each substep pushes as much as it
+/// releases, so the contact is a spring of m (2 pi f)^2 at any damping. f is contact_hertz, at most 3 / 16 of the
+/// substep rate. On a static body f is twice that, and the result a quarter. [s^2]
 inline double give(const WorldDef& def) {
     const double omega = 2 * 3.14159265358979323846 *
                          std::min(to_double(def.contact_hertz), 3.0 / 16 * def.tick_rate * def.substeps);
     return 1 / (omega * omega);
 }
 
-/// What a pile does over time.
+/// The motion of a pile over time.
 struct Rest {
-    double drift = 0;       ///< farthest horizontal way of a centre of mass from where it was [m]
+    double drift = 0;       ///< greatest horizontal distance of a centre of mass from its start [m]
     double penetration = 0; ///< deepest contact of the last tick [m]
     double kinetic = 0;     ///< [J]
 };
@@ -133,8 +134,8 @@ inline Rest rest_after(World& w, const std::vector<BodyId>& bodies, int ticks) {
     return rest;
 }
 
-/// Whether all bodies are where they are in the other world, and as fast. A twin that loses something from a state has another hash at
-/// once; that it was needed shows when bodies go another way.
+/// Returns whether all bodies have equal places and velocities in both worlds. A world that lost a part of its state
+/// has another hash at once, but only a different motion shows that the part is needed.
 inline bool same_motion(const World& a, const World& b) {
     return std::ranges::equal(a.bodies(), b.bodies(), [&](BodyId in_a, BodyId in_b) {
         return a.pose(in_a) == b.pose(in_b) && a.linear_velocity(in_a) == b.linear_velocity(in_b) &&
@@ -142,7 +143,8 @@ inline bool same_motion(const World& a, const World& b) {
     });
 }
 
-/// "tick 118, column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"; empty when equal.
+/// Returns a text like "tick 118, column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)";
+/// empty when the worlds are equal.
 inline std::string difference(const World& left, const World& right) {
     const std::vector<Difference> found = State::diff(left.state(), right.state(), 1);
     if (found.empty() && left.hash() == right.hash()) return {};

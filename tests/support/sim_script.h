@@ -1,5 +1,6 @@
-// Scenes in which everything happens: piles, compounds, sensors, fields, ids that come and go, commands of all kinds,
-// game columns. What is done before a tick depends on the world and its tick alone, so a restored world goes on alike.
+// Scenes with objects of all kinds: piles, compounds, sensors, fields, ids that are created and destroyed, commands of
+// all kinds, game columns. The commands before a tick depend on the world and its tick only, so a restored world
+// continues equally.
 #pragma once
 
 #include "support/sim_scenes.h"
@@ -92,7 +93,7 @@ inline World start_script(Scenery scenery, Integrator integrator = Integrator::s
 }
 
 namespace detail {
-/// The first dynamic body at or after a row, null: none.
+/// The first dynamic body at or after a row; null: none.
 inline BodyId dynamic_from(const World& w, std::uint64_t start) {
     for (std::uint32_t i = 0; i < w.body_count(); ++i) {
         const BodyId b = w.body_at(static_cast<std::uint32_t>((start + i) % w.body_count()));
@@ -145,7 +146,7 @@ inline void command_one(World& w, std::uint64_t tick, BodyId b) {
 }
 } // namespace detail
 
-/// What is done before the next tick, then the tick, then what the game makes of its events.
+/// Applies the script's commands before the next tick, then the tick, then the game's reaction to its events.
 inline void step_script(World& w) {
     const std::uint64_t tick = w.tick_count();
     Tally tally = w.read(tally_record);

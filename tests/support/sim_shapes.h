@@ -14,7 +14,7 @@ struct Zoo {
 };
 
 inline Result<AssetBytes> gem_bytes() {
-    // An octahedron with cut corners; flat faces of several sizes.
+    // An octahedron with cut corners, which has flat faces of several sizes.
     std::vector<LengthVec3> points;
     for (int i = 0; i < 3; ++i)
         for (int sign : {-1, 1})
@@ -59,7 +59,7 @@ inline Zoo make_zoo() {
     return zoo;
 }
 
-/// Each shape that a dynamic body can have; all about a metre wide.
+/// Each shape that a dynamic body can have, all about a metre wide.
 inline std::vector<Geometry> moving_shapes(const Zoo& zoo) {
     return {
         sphere(0.4_r),
@@ -76,7 +76,7 @@ inline std::vector<Geometry> moving_shapes(const Zoo& zoo) {
         instance(ShapeKind::compound, zoo.table)};
 }
 
-/// A world where all of them fall on waves, on a step and on a plane further out.
+/// A world in which all of them fall on waves, on a step and on a plane further away.
 inline World zoo_world(const Zoo& zoo, int layers = 2) {
     WorldDef def = small_def();
     def.bodies_max = def.shapes_max = 128;

@@ -1,6 +1,6 @@
-// A small real game for tests of sessions and replays: two players push a ball each over a floor with three crates.
-// The game keeps a score and a generation per body in its own columns, and throws a crate in now and then, so that
-// every part of the state takes part: ids come and go, contacts form, game columns change.
+// A small complete game for tests of sessions and replays: each of two players pushes a ball over a floor with three
+// crates. The game stores a score and a generation per body in its own columns, and sometimes throws a crate in, so
+// that every part of the state changes: ids, contacts, game columns.
 #pragma once
 
 #include "lockstone/game.h"
@@ -49,7 +49,7 @@ inline void must(const Status& status) {
 class SmallGame : public Game {
   public:
     static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-    /// From tick `other_rules_from` on a jump is a little higher, under the same content id: a planted fault.
+    /// From tick `other_rules_from` on a jump is a little higher, under an unchanged content id: a planted fault.
     explicit SmallGame(std::uint64_t other_rules_from = never) : fault_tick(other_rules_from) {}
 
     std::string name() const override { return "small-game"; }
@@ -100,7 +100,7 @@ class SmallGame : public Game {
         return {};
     }
 
-    /// What two restless players press at a tick; the same everywhere.
+    /// The inputs of two active players at a tick, equal on all machines.
     static std::array<SmallInput, 2> script(std::uint64_t tick) {
         std::array<SmallInput, 2> pads{};
         for (std::uint64_t p = 0; p < 2; ++p) {
@@ -120,7 +120,7 @@ class SmallGame : public Game {
         must(world.create_shape(crate, {.geometry = box(0.5_r, 0.5_r, 0.5_r), .density = 10_r}));
         return crate;
     }
-    /// The oldest thrown crate makes room.
+    /// Destroys the oldest thrown crate if there are too many.
     static void throw_crate(World& world, SmallScore& s) {
         constexpr std::uint32_t fixed_bodies = 6, crates_max = 4;
         if (world.body_count() >= fixed_bodies + crates_max) must(world.destroy(world.body_at(fixed_bodies)));
@@ -131,7 +131,7 @@ class SmallGame : public Game {
     std::uint64_t fault_tick;
 };
 
-/// Inputs of a tick with the bytes they point to.
+/// Inputs of a tick, and the bytes to which they point.
 struct SmallInputs {
     std::array<std::array<std::byte, 4>, 2> bytes;
     std::array<PlayerInput, 2> list;

@@ -1,4 +1,4 @@
-// Recordings of the small game, and the means to take a recording apart and put it together again with good checksums.
+// Recordings of the small game, and functions that split a recording into chunks and join chunks with valid checksums.
 #pragma once
 
 #include "replay/format/codec.h"
@@ -28,7 +28,7 @@ inline Bytes record_inputs(std::uint64_t ticks, const replay::RecorderOptions& o
     return sink.bytes;
 }
 
-/// The same run in commands mode.
+/// The run of record_inputs() in commands mode.
 inline Bytes record_commands(std::uint64_t ticks, const replay::RecorderOptions& options = {}) {
     const SmallGame game;
     replay::MemorySink sink;
@@ -40,7 +40,7 @@ inline Bytes record_commands(std::uint64_t ticks, const replay::RecorderOptions&
     return sink.bytes;
 }
 
-/// Hashes of the script's states at times 0 .. ticks, from play without any recorder.
+/// Hashes of the script's states at times 0 .. ticks, from a run without a recorder.
 inline std::vector<std::uint64_t> played_hashes(std::uint64_t ticks) {
     const SmallGame game;
     World world = must(game.start());
@@ -62,7 +62,7 @@ struct Chunk {
     Bytes payload;
 };
 
-/// The chunks of a good recording.
+/// The chunks of a valid recording.
 inline std::vector<Chunk> chunks_of(std::span<const std::byte> file) {
     std::vector<Chunk> chunks;
     for (std::size_t at = replay::preamble_bytes; at < file.size();) {
@@ -77,7 +77,7 @@ inline std::vector<Chunk> chunks_of(std::span<const std::byte> file) {
     return chunks;
 }
 
-/// A file of these chunks with good checksums. `renew_index`: INDX and END. tell the chunks' true offsets.
+/// A file of these chunks with valid checksums. `renew_index`: INDX and END. get the chunks' true offsets.
 inline Bytes file_of(std::vector<Chunk> chunks, bool renew_index,
                      std::uint16_t minor = replay::version_minor) {
     auto first_bytes = replay::preamble();

@@ -21,7 +21,7 @@ class SplitMix {
     std::uint64_t state;
 };
 
-/// In [low, high), in steps of 2^-20 of the range.
+/// A number in [low, high), in steps of 2^-20 of the range.
 inline double drawn(SplitMix& random, double low, double high) {
     return low + (high - low) * static_cast<double>(random.below(1u << 20)) / (1u << 20);
 }

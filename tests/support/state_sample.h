@@ -1,5 +1,5 @@
-// A small state with every kind of leaf, for tests of the state layer: two tables with columns, one that is only a
-// count, rows of one byte up to rows longer than a page of the hash tree.
+// A small state with every kind of leaf, for tests of the state layer: two tables with columns, one without, rows of
+// one byte up to rows longer than a page of the hash tree.
 #pragma once
 
 #include "lockstone/state.h"
@@ -47,7 +47,7 @@ template <class Visit> constexpr void describe(Manifold& m, Visit&& visit) {
     visit("points", m.points);
 }
 
-/// Longer than a page of the hash tree.
+/// A row longer than a page of the hash tree.
 struct Inventory {
     std::array<std::uint16_t, 2> head;
     std::uint32_t serial;
@@ -59,7 +59,7 @@ template <class Visit> constexpr void describe(Inventory& i, Visit&& visit) {
     visit("slots", i.slots);
 }
 
-/// The handles of the columns, and the layout they belong to.
+/// The handles of the columns, and their layout.
 struct Sample {
     std::shared_ptr<const StateLayout> layout;
     TableId body, contact, tag;
@@ -104,7 +104,7 @@ inline State random_state(const Sample& s, std::uint32_t bodies, std::uint32_t c
     return state;
 }
 
-/// Random counts within the capacities too.
+/// A state with random counts within the capacities, and random rows.
 inline State random_state(const Sample& s, std::uint64_t seed) {
     SplitMix random(seed);
     const std::uint32_t bodies = random.below(s.layout->tables()[s.body.index].capacity + 1);

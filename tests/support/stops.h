@@ -1,4 +1,4 @@
-// What a program says that ends itself: run in a child, so that the test goes on.
+// The last message of a program that ends itself. It runs in a child process, so that the test continues.
 #pragma once
 
 #include <csignal>
@@ -9,15 +9,16 @@
 
 namespace lockstone::test {
 
-/// The line on stderr of a call that ends the program with a sentence; empty when it came back, "died" when it ended otherwise.
+/// Returns the line that a call prints on stderr before it ends the program; empty when it returned, "died" when the
+/// program ended without a sentence.
 template <class Call> std::string last_words(Call&& call) {
     int ends[2];
     if (::pipe(ends) != 0) return "no pipe";
-    std::fflush(nullptr); // what is buffered is written once
+    std::fflush(nullptr); // flushes the buffers, so that they are not written twice
     const pid_t child = fork();
     if (child == 0) {
         dup2(ends[1], STDERR_FILENO);
-        std::signal(SIGABRT, SIG_DFL); // the test program prints a report of its own
+        std::signal(SIGABRT, SIG_DFL); // the test program's handler would print a report
         std::signal(SIGSEGV, SIG_DFL);
         call();
         _exit(0);

@@ -1,4 +1,4 @@
-// Ways to run tasks that a host might have, and some that it should not.
+// Ways in which a host may run tasks, and some that break the contract.
 #pragma once
 
 #include "lockstone/tasks.h"
@@ -13,7 +13,7 @@
 
 namespace lockstone::test {
 
-/// One thread that takes the items in random order and says it is another worker each time.
+/// One thread that runs the items in random order and reports a random worker number each time.
 class ShuffledTasks final : public Tasks {
   public:
     explicit ShuffledTasks(std::uint32_t seed, std::uint32_t workers = 5)
@@ -37,7 +37,7 @@ class ShuffledTasks final : public Tasks {
     std::vector<std::uint32_t> order;
 };
 
-/// A pool whose workers now and then leave the processor to others in the middle of things.
+/// A pool whose workers sometimes yield the processor within an item.
 class UnsteadyTasks final : public Tasks {
   public:
     UnsteadyTasks(std::uint32_t workers, std::uint32_t seed)
@@ -66,7 +66,7 @@ class UnsteadyTasks final : public Tasks {
     std::mt19937 random;
 };
 
-/// Breaks the contract of Tasks in one run of many: leaves its last item out, or runs its first one twice.
+/// Breaks the contract of Tasks in one run of many: leaves out its last item, or runs its first one twice.
 class FaultyTasks final : public Tasks {
   public:
     enum class Fault { leaves_out, runs_twice };
@@ -85,7 +85,7 @@ class FaultyTasks final : public Tasks {
     std::uint64_t faulty_run;
 };
 
-/// Runs some of the items it is given: the others are never run, or all of them twice.
+/// Runs only some of its items, or all of them twice.
 class OddTasks final : public Tasks {
   public:
     enum class Way { first_alone, last_alone, none_but_second, twice };

@@ -1,4 +1,4 @@
-// Worlds that start alike, on different tasks: do they stay alike?
+// Worlds with equal starts on different tasks: checks that they stay equal.
 #pragma once
 
 #include "support/scripted_inputs.h"
@@ -7,7 +7,7 @@
 
 namespace lockstone::test {
 
-/// The built-in scenes, small enough to run many times, large enough for more than one chunk of everything.
+/// The built-in scenes, small enough to run often, large enough for several chunks of each kind of work.
 inline std::unique_ptr<Game> small_scene(const SceneInfo& info) {
     SceneOptions options;
     if (info.size_default != 0)
@@ -16,7 +16,8 @@ inline std::unique_ptr<Game> small_scene(const SceneInfo& info) {
     return make_scene(info.name, options).value();
 }
 
-/// A net of balls: thousands of joints that follow one another along diagonals. `side` balls in a row, and as many rows. Each holds the next one in its row and in its column; the first row hangs in the air.
+/// A net of balls: thousands of joints, connected along diagonals. `side` rows of `side` balls. Each ball holds the
+/// next one in its row and in its column; the first row is fixed in the air.
 inline World net(int side) {
     WorldDef def = scene::small_def();
     const auto all = static_cast<std::uint32_t>(side * side);
@@ -45,14 +46,15 @@ struct Islands {
     World world;
     std::vector<BodyId> bodies;
 };
-/// Two balls in the air that a joint holds: then not only contacts change velocities, and passes are done one by one.
+/// Two jointed balls in the air: then contacts are not alone in changing velocities, and the solver runs its passes one
+/// by one.
 inline void add_pendulum(World& w) {
     const BodyId above = scene::add(w, {.kind = BodyKind::static_, .pose = scene::at(-500, 60, 0)},
                                     {.geometry = sphere(scene::real(0.4))}),
                  below = scene::add_ball(w, scene::at(-500, 59, 0), 0.4);
     scene::made(w.create_joint(ball_joint(), above, below, scene::at(-500, 59.5, 0)));
 }
-/// Towers of crates that drop a little, askew, each alone, and a platform between them that does not move.
+/// Towers of crates that drop a little, askew, each an island, and an immobile platform between them.
 inline Islands towers(int count, int height = 2) {
     WorldDef def = scene::small_def();
     def.bodies_max = def.shapes_max = static_cast<std::uint32_t>(height * count + 8);
@@ -73,7 +75,7 @@ inline Islands towers(int count, int height = 2) {
     return out;
 }
 
-/// Where bodies of two worlds part in some ticks.
+/// Returns the first difference of the bodies of two worlds within some ticks.
 inline std::string first_difference(Islands& left, Islands& right, int ticks) {
     for (int t = 0; t < ticks; ++t) {
         left.world.tick(), right.world.tick();
@@ -88,7 +90,7 @@ inline std::string first_difference(Islands& left, Islands& right, int ticks) {
     return {};
 }
 
-/// Where the outputs of the last tick part; empty when they do not.
+/// Returns the first difference of the outputs of the last tick; empty when there is none.
 inline std::string output_difference(const World& left, const World& right) {
     const auto bytes = [](const auto& rows) {
         std::vector<std::byte> out;
@@ -105,8 +107,8 @@ inline std::string output_difference(const World& left, const World& right) {
     return std::ranges::equal(left.contacts(), right.contacts(), same) ? "" : "contacts differ";
 }
 
-/// Runs the rules on a world without tasks, and on a clone of it for each of `tasks`, tick by tick. `advance` gets a world
-/// and its tasks. Says where the first of them departs; empty when none does.
+/// Runs the rules on a world without tasks, and on a clone of it for each of `tasks`, tick by tick. `advance` gets a
+/// world and its tasks. Returns the first difference; empty when there is none.
 template <class Advance>
 std::string first_departure(const World& start, std::span<Tasks* const> tasks, int ticks, Advance&& advance) {
     World expected = start.clone();
@@ -124,7 +126,7 @@ std::string first_departure(const World& start, std::span<Tasks* const> tasks, i
     return {};
 }
 
-/// The scene's rules, after `before` ticks without tasks.
+/// Compares runs with the scene's rules, after `before` ticks without tasks.
 inline std::string first_departure(const Game& game, std::span<Tasks* const> tasks, int before, int ticks) {
     ScriptedInputs inputs(game);
     World start = game.start().value();

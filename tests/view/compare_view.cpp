@@ -1,4 +1,4 @@
-// Curves lie where their values say, and outlines are as large as the shapes they stand for.
+// Curves are at the heights of their values, and outlines have the sizes of their shapes.
 #include "lockstone/math/decimal.h"
 #include "support/about.h"
 #include "view/chart.h"
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-/// 101 ticks on an area of 100 columns and 100 px, about.
+/// 101 ticks on an area of about 100 columns and 100 px.
 Chart chart_of(std::span<const double> values, ChartScale scale = ChartScale::from_zero) {
     return {.title = "",
             .scale = scale,

@@ -1,5 +1,5 @@
-// The moments of the four pictures are what their captions claim, by what the world itself says of contacts, heights and
-// speeds; and a run that has no such moments is refused.
+// The moments of the four pictures have the properties that their captions claim, by the world's contacts, heights and
+// speeds. A run without such moments is refused.
 #include "view/figure_ticks.h"
 #include "scenes/scenes.h"
 #include "support/sim_scenes.h"
@@ -17,7 +17,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// A run of two blocks, again from its start as often as wanted.
+/// A run of two blocks, which can restart any number of times.
 struct Run {
     std::function<World()> start;
     std::function<void(World&)> tick = [](World& world) { world.tick(); };
@@ -42,7 +42,7 @@ Run two_blocks() {
             [game](World& world) { REQUIRE(game->advance(world, {}).ok()); }};
 }
 
-/// Blocks that fall from these places, without a push.
+/// Blocks that fall from these places, without an initial velocity.
 Run dropped(std::vector<Transform> places) {
     return {[places] {
         World world = made(World::create(small_def()));
@@ -59,7 +59,7 @@ std::vector<BodyId> blocks_of(const World& world) {
     return blocks;
 }
 
-/// Whether two bodies pushed each other in the last tick, or overlapped before it.
+/// Returns whether two bodies pushed each other in the last tick, or overlapped before it.
 bool touch(const World& world, BodyId a, BodyId b) {
     return std::ranges::any_of(world.contacts(), [&](const World::ContactPoint& contact) {
         const BodyId one = world.body_of(contact.shape_a), other = world.body_of(contact.shape_b);
@@ -76,7 +76,7 @@ bool all_free(const World& world) {
     const std::vector<BodyId> b = blocks_of(world);
     return !touch(world, b[0], b[1]) && !touches_ground(world, b[0]) && !touches_ground(world, b[1]);
 }
-/// Times in [from, to] at which something holds.
+/// The number of times in [from, to] at which `holds` is true.
 std::size_t count(const Run& run, std::uint64_t from, std::uint64_t to,
                   const std::function<bool(const World&)>& holds) {
     std::size_t times = 0;
@@ -85,7 +85,7 @@ std::size_t count(const Run& run, std::uint64_t from, std::uint64_t to,
     return times;
 }
 
-/// The claims of the captions that do not hold at these ticks: the numbers of the figures.
+/// The numbers of the figures whose captions are false at these ticks.
 std::vector<int> false_claims(const Run& run, const FigureTicks& ticks) {
     std::vector<int> wrong;
     const std::vector<BodyId> b = blocks_of(run.start());

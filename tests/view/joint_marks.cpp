@@ -1,4 +1,4 @@
-// What the viewer draws of joints is where the joints are: measured on the lines, by their colours.
+// The viewer draws joints at their places: the tests measure the lines, by their colours.
 #include "view/joint_marks.h"
 #include "support/about.h"
 #include "support/rigs/joint_variants.h"
@@ -16,7 +16,7 @@ namespace {
 
 constexpr float near_enough = 1e-3f;
 
-/// Two crates 1 m apart along x, joined in A's middle; where they are drawn is the test's to say.
+/// Two crates 1 m apart along x, joined in A's middle. The test sets the places at which they are drawn.
 struct Pair {
     World world = made(World::create({}));
     BodyId body_a = add_crate(world, at(0, 5, 0)), body_b = add_crate(world, at(1, 5, 0));
@@ -25,7 +25,7 @@ struct Pair {
 
     explicit Pair(const JointDef& def)
         : mark(read_joint(world, made(world.create_joint(def, body_a, body_b, at(0, 5, 0))))) {}
-    /// In place of what create_joint made of both: each its own middle.
+    /// Replaces both frames of create_joint by the bodies' middles.
     Pair& from_middle_to_middle() {
         mark.frame_a = mark.frame_b = glm::mat4(1);
         return *this;
@@ -54,7 +54,7 @@ float length(const std::vector<Line>& lines) {
     for (const Line& line : lines) sum += glm::distance(line.from, line.to);
     return sum;
 }
-/// Each begins where the one before it ends.
+/// Returns whether each line begins at the end of the previous one.
 bool is_one_line(const std::vector<Line>& lines) {
     for (std::size_t i = 1; i < lines.size(); ++i)
         if (glm::distance(lines[i].from, lines[i - 1].to) > near_enough) return false;

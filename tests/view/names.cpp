@@ -1,4 +1,4 @@
-// A name in the world yields to panels: it is left out where its letters would lie on one.
+// A name in the world gives way to panels: it is not drawn where its letters would overlap one.
 #include "render/frame.h"
 
 #include <doctest/doctest.h>

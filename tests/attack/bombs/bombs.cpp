@@ -1,4 +1,4 @@
-// Small recordings that ask for much, under a limit of memory drawn at random: allocations are counted.
+// Small recordings that require much memory, read under a random memory limit. The attack counts allocations.
 #include "attack/attack.h"
 #include "lockstone/joint.h"
 #include "lockstone/math/random.h"
@@ -23,7 +23,7 @@ const Bytes& commands_file() {
 
 std::uint32_t capacity(Random& random) { return 1u << random.below(21); }
 
-/// A world of any capacities, empty.
+/// An empty world with arbitrary capacities.
 void many_rows(std::vector<Chunk>& chunks, Random& random) {
     const Recording good = must(test::read(commands_file()));
     WorldDef def = good.world_def();
@@ -38,7 +38,8 @@ void many_rows(std::vector<Chunk>& chunks, Random& random) {
     Result<World> world =
         random.below(4) == 0 ? World::create(def, good.schema()) : Error{"too large to be made here"};
     if (!world) return;
-    Bytes& keyframe = chunks[test::find_chunk(chunks, chunk_keyframe)].payload; // one that goes with it
+    // a keyframe that matches the definition
+    Bytes& keyframe = chunks[test::find_chunk(chunks, chunk_keyframe)].payload;
     const Bytes image = world->save_portable();
     keyframe.clear();
     base::ByteWriter to(keyframe);
@@ -46,14 +47,14 @@ void many_rows(std::vector<Chunk>& chunks, Random& random) {
     pack(image, keyframe);
 }
 
-/// Packed zeros that stand for as much as `bytes`.
+/// Packed zeros that unpack to `bytes`.
 void append_zeros(Bytes& out, std::uint64_t bytes) {
     for (; bytes >= 130; bytes -= 130) out.push_back(std::byte{255}), out.push_back(std::byte{0});
     for (; bytes > 0; --bytes) out.push_back(std::byte{0}), out.push_back(std::byte{0});
 }
 
 void large_image(std::vector<Chunk>& chunks, Random& random) {
-    const std::uint64_t size = std::uint64_t{1} << (16 + random.below(13)); // up to 256 MB, of 4 MB
+    const std::uint64_t size = std::uint64_t{1} << (16 + random.below(13)); // up to 256 MB, packed into 4 MB
     Bytes& payload = chunks[test::find_chunk(chunks, chunk_keyframe, 0)].payload;
     payload.resize(16);
     base::ByteWriter to(payload);
@@ -61,7 +62,7 @@ void large_image(std::vector<Chunk>& chunks, Random& random) {
     append_zeros(payload, size);
 }
 
-/// Ticks of as many commands as a block can hold: `unpacked` bytes of planes that are mostly zeros.
+/// Ticks of as many commands as a block can hold: `unpacked` bytes of planes, mostly zeros.
 void many_commands(std::vector<Chunk>& chunks, Random& random) {
     const std::size_t kind = random.below(static_cast<std::uint32_t>(command_kinds));
     const std::uint32_t count = 1u << (10 + random.below(12)), ticks = 1 + random.below(8);
@@ -69,12 +70,12 @@ void many_commands(std::vector<Chunk>& chunks, Random& random) {
     if (unpacked > block_bytes_max) return;
     Bytes planes(unpacked);
     for (std::size_t byte = 0; byte < 4;
-         ++byte) // of the first tick's count; the others have as many, or none
+         ++byte) // of the first tick's count; the others have that count, or none
         planes[byte * ticks] = static_cast<std::byte>(count >> (8 * byte) & 0xff);
     if (ticks > 1)
         for (std::size_t byte = 0; byte < 4; ++byte) planes[byte * ticks + 1] = planes[byte * ticks];
     planes[4 * ticks] = static_cast<std::byte>(kind);
-    // A good command, so that they are not all refused at the first.
+    // A valid command; else every file would fail at its first command.
     Bytes fields;
     append_command(kind == Command(Explode{}).index()
                        ? Command(Explode{{.radius = Real(30000), .impulse = Real(100)}})
@@ -115,10 +116,10 @@ void many_chunks(std::vector<Chunk>& chunks, Random& random) {
 
 constexpr std::array bombs = {many_rows, large_image, many_commands, many_columns, many_chunks};
 
-/// A world with full tables takes what World::memory_of says, at most.
+/// A world with full tables must use at most the memory that World::memory_of reports.
 std::string fill_world(Random& random, Figures& figures) {
     const auto some = [&](std::uint32_t most) { return 1 + random.below(most); };
-    const bool is_crowd = random.below(3) == 0; // all at one place
+    const bool is_crowd = random.below(3) == 0; // all in one place
     WorldDef def;
     def.bodies_max = def.shapes_max = some(is_crowd ? 1000 : 400), def.contacts_max = some(3000),
     def.joints_max = some(300);
@@ -129,9 +130,9 @@ std::string fill_world(Random& random, Figures& figures) {
     const BodyId floor = must(world.create_body({.kind = BodyKind::static_}));
     (void)world.create_shape(floor, {.geometry = plane()});
     BodyId last{};
-    Real side = is_crowd ? 0.1_r : 1_r; // of a heap in which a box has its own volume
+    Real side = is_crowd ? 0.1_r : 1_r; // of a heap in which each box has its own volume
     while (!is_crowd && side * side * side < Real(def.bodies_max)) side += 0.1_r;
-    while (world.body_count() < def.bodies_max) { // each held to the one before
+    while (world.body_count() < def.bodies_max) { // each jointed to the previous one
         const Real x = random.range(0_r, side), y = random.range(0_r, side), z = random.range(0_r, side);
         const BodyId body = must(world.create_body({.pose = {{x, y, z}, Quat::identity()}}));
         if (!world.create_shape(body, {.geometry = box(0.4_r, 0.4_r, 0.4_r)})) break;
@@ -153,7 +154,7 @@ std::string explode(Random& random, bool leak, Figures& figures) {
     bombs[random.below(bombs.size())](chunks, random);
     Bytes file = test::file_of(std::move(chunks), true);
     const Limits limits{.memory = std::uint64_t{16} << (20 + random.below(7))};
-    const std::uint64_t before = memory_now() - file.capacity(); // the file counts
+    const std::uint64_t before = memory_now() - file.capacity(); // the file counts as well
     forget_peak();
     const Result<Recording> recording =
         Recording::from_bytes(std::move(file), "bomb.lsr", OnDamage::recover, limits);

@@ -1,4 +1,4 @@
-// Recorders that are killed at a random instant, or cut off by a full disk.
+// Recorders that are killed at a random time, or stopped by a full disk.
 #include "attack/attack.h"
 #include "lockstone/math/random.h"
 #include "replay/branch.h"
@@ -22,12 +22,12 @@ using test::must;
 
 constexpr std::uint64_t keyframe_ticks = 20;
 
-/// What a recorder has told before it was killed.
+/// Data that a recorder writes into shared memory before it is killed.
 struct Told {
     std::uint64_t ticks_flushed;
 };
 
-/// Records until it is killed or the disk is full; then tells how far it is whole.
+/// Records until it is killed or the disk is full. Stores the number of flushed ticks in its last argument.
 [[noreturn]] void record(const std::string& path, std::uint32_t block_ticks, Told& told) {
     const test::SmallGame game;
     World world = must(game.start());
@@ -43,13 +43,13 @@ struct Told {
             if (status.error().message.find(path) != 0 || recorder->close()) std::_Exit(5);
             std::_Exit(0);
         }
-        // Blocks are written when they are full, and before a keyframe.
+        // A block is written when it is full, and before a keyframe.
         const std::uint64_t now = world.tick_count(), keyframe = now / keyframe_ticks * keyframe_ticks;
         told.ticks_flushed = keyframe + (now - keyframe) / block_ticks * block_ticks;
     }
 }
 
-/// What is left is read, verified and repaired.
+/// Reads, verifies and repairs the file that the recorder left.
 std::string check_rest(const std::string& path, const Told& told, Figures& figures) {
     const test::SmallGame game;
     const Result<Recording> rest = Recording::open(path, OnDamage::recover_cut);
@@ -98,7 +98,7 @@ std::string crash(Random& random, const Options& options, Told& told, Figures& f
     int status = 0;
     waitpid(pid, &status, 0);
     ++figures[disk_full ? "disk full" : "killed"];
-    if (disk_full && WIFEXITED(status) && WEXITSTATUS(status) == 4) return {}; // not even a beginning
+    if (disk_full && WIFEXITED(status) && WEXITSTATUS(status) == 4) return {}; // not even a header
     if (disk_full && status != 0) return "a full disk is not told";
     if (options.planted == "lost" && std::filesystem::exists(path)) { told.ticks_flushed += 100; }
     std::string wrong;

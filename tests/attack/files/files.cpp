@@ -1,4 +1,4 @@
-// Recordings changed with checksums made right, read and used in every way that a program would.
+// Recordings that are changed and get valid checksums, then read and used in all ways of a program.
 #include "attack/attack.h"
 #include "attack/files/scenes.h"
 #include "fuzz/checks/recording_check.h"
@@ -16,12 +16,12 @@ using lockstone::test::must;
 constexpr std::uint64_t memory_limit = std::uint64_t{256} << 20; ///< [bytes]
 constexpr Limits limits{.memory = memory_limit, .commands_per_tick = 4096};
 
-/// Attacks on the attack: what each has to be found as is in tests/attack/README.md.
+/// Planted faults. tests/attack/README.md lists the expected finding of each.
 struct Plants {
     bool crash, hang, memory, accept;
 };
 
-/// A number that is often at an edge, or one that stands elsewhere in the state.
+/// A number, often at an edge, or a value from another place of the state.
 std::uint64_t number(Random& random) {
     static constexpr std::uint64_t edges[] = {0,
                                               1,
@@ -41,7 +41,7 @@ std::uint64_t number(Random& random) {
                                 : random.next_u64() >> random.below(64);
 }
 
-/// Some fields of some rows; game columns in every other change.
+/// Changes some fields of some rows, in game columns half of the time.
 void change_rows(State& state, const SceneRecording& of, Random& random) {
     const std::span<const ColumnInfo> columns = state.layout().columns();
     for (std::uint32_t left = 1 + random.below(4); left > 0; --left) {
@@ -76,7 +76,8 @@ void change_rows(State& state, const SceneRecording& of, Random& random) {
     }
 }
 
-/// Bytes of a payload, or of what is packed in it: a bit, a byte, an integer at an edge, a piece gone, doubled or new.
+/// Changes bytes of a payload, or of its packed content: a bit, a byte, an integer at an edge, a piece removed,
+/// duplicated or new.
 void change_bytes(Bytes& bytes, Random& random) {
     if (bytes.empty()) return;
     const auto size = static_cast<std::uint32_t>(bytes.size());
@@ -117,12 +118,12 @@ void change_chunk(test::Chunk& chunk, Random& random) {
     pack(*contents, chunk.payload);
 }
 
-/// A recording of a scene, changed.
+/// A changed recording of a scene.
 Bytes changed_file(const SceneRecording& of, Random& random, Figures& figures) {
     const Recording good = must(test::read(of.file));
     std::vector<test::Chunk> chunks = test::chunks_of(of.file);
     const std::uint32_t how = random.below(8);
-    if (how < 5) { // the state that it starts from; later keyframes are differences to it
+    if (how < 5) { // the state at its start; later keyframes are differences to it
         ++figures["states"];
         State state(must(of.game->start()).state().layout_shared());
         must(state.restore_portable(good.keyframe_image(0)));
@@ -139,14 +140,14 @@ Bytes changed_file(const SceneRecording& of, Random& random, Figures& figures) {
     for (std::uint32_t left = 1 + random.below(3); left > 0; --left)
         change_chunk(chunks[random.below(static_cast<std::uint32_t>(chunks.size()))], random);
     Bytes file = test::file_of(std::move(chunks), random.below(4) != 0);
-    if (how == 7) { // a crash of the recorder
+    if (how == 7) { // as after a crash of the recorder
         ++figures["cut"];
         file.resize(random.below(static_cast<std::uint32_t>(file.size()) + 1));
     }
     return file;
 }
 
-/// What may be called good is whole and of the same definition; whether its ticks are what they say is asked below.
+/// A recording with the verdict `good` must be complete and have the original definition. use() checks its ticks.
 std::string check_good(const Recording& taken, const Recording& original) {
     if (!taken.complete()) return "called good, but it is not whole";
     if (const std::string other = first_difference(taken.world_def(), original.world_def()); !other.empty())
@@ -154,7 +155,7 @@ std::string check_good(const Recording& taken, const Recording& original) {
     return {};
 }
 
-/// Plays, verifies, branches off and repairs. Errors are sentences or it is wrong.
+/// Plays, verifies, branches and repairs. Every error must have a sentence.
 std::string use(const Recording& recording, const SceneRecording& of, const Plants& plants,
                 Figures& figures) {
     VerifyReport report = verify(recording, of.game.get());
@@ -210,7 +211,8 @@ std::string attack_scene(Random& random, const Plants& plants, Figures& figures)
     return wrong.empty() ? "" : of.name + ": " + wrong;
 }
 
-/// The fuzzers' small states and recordings of inputs and of commands, by random scripts of theirs.
+/// Attacks the fuzzers' small states and recordings of inputs and of commands, with random scripts of the fuzzers'
+/// format.
 std::string attack_small(Random& random, Figures& figures) {
     Bytes script(3 + random.below(60));
     for (std::byte& byte : script) byte = static_cast<std::byte>(random.below(256));
@@ -239,7 +241,8 @@ int main(int argc, char** argv) {
     (void)scene_recordings();
     return run(options, [&](std::uint64_t i, Figures& figures) {
         Random random = Random::seeded(options.seed, 1 + i);
-        if (plants.crash && i == 3) must(Recording::open("/nowhere")); // an exception that nobody catches
+        // throws an exception that no handler catches
+        if (plants.crash && i == 3) must(Recording::open("/nowhere"));
         if (plants.hang && i == 3) sleep(seconds_max);
         return i % 4 == 0 || !options.planted.empty() ? attack_scene(random, plants, figures)
                                                       : attack_small(random, figures);

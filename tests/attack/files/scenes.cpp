@@ -28,7 +28,7 @@ SceneRecording record(const Choice& choice) {
             std::ranges::fill(bytes[p], std::byte{0});
             scripted_input(out.game->rules(), 3, world.tick_count(), p, bytes[p]);
             if (world.tick_count() % 5 == p && !bytes[p].empty())
-                bytes[p].back() = std::byte{3}; // every button
+                bytes[p].back() = std::byte{3}; // presses every button
             inputs[p] = {bytes[p]};
         }
         must(out.game->advance(world, inputs));

@@ -1,4 +1,4 @@
-// Recordings of the built-in games to damage, and the games that play them, made once.
+// Recordings of the built-in games for the attack, and the games that play them, made once.
 #pragma once
 
 #include "scenes/scenes.h"
@@ -12,7 +12,7 @@ namespace attack {
 using namespace lockstone;
 using test::Bytes;
 
-/// A game that makes its start once: baking terrain would take longer than all else.
+/// A game that makes its start once, because baking terrain would take most of the time.
 class Started final : public Game {
   public:
     explicit Started(std::unique_ptr<Game> rules);
@@ -40,8 +40,8 @@ struct SceneRecording {
     std::vector<std::uint32_t> game_columns; ///< of the state
 };
 
-/// All scenes, small; those that remember something in columns of their own come several times, from their first ticks
-/// and from later ones.
+/// All scenes, small. Scenes with columns of their own are in the list several times, with recordings of their first
+/// ticks and of later ones.
 const std::vector<SceneRecording>& scene_recordings();
 
 } // namespace attack

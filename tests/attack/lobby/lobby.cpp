@@ -1,10 +1,10 @@
-// A relay and its lobby under siege: hostile addresses of a few networks open rooms, leave them, try codes, take seats and send
-// changed and copied datagrams. Newcomers from other networks must still meet and play.
+// A relay and its lobby under attack. Hostile addresses of a few networks open rooms, leave them, try codes, take seats
+// and send changed and copied datagrams. Newcomers from other networks must still meet and play.
 //
-// Must not happen: a crash; a newcomer that is refused or not connected in time; more rooms or matches than RelayDef allows; more
-// bytes out than in; rooms or matches that outlast their limits of silence.
+// Forbidden: a crash; a newcomer that is refused or not connected in time; more rooms or matches than RelayDef allows;
+// more bytes out than in; rooms or matches that outlast their limits of silence.
 //
-// Planted: "many" lets the siege come from more addresses than the reserve for newcomers has places; "stays" goes on with the siege
+// Planted: "many" attacks from more addresses than the reserve for newcomers has places; "stays" continues the attack
 // while the tables must become empty.
 #include "attack/attack.h"
 #include "net/wire.h"
@@ -28,13 +28,13 @@ struct Machine {
     NetAddress at;
     std::unique_ptr<LobbyClient> client;
     std::unique_ptr<Endpoint> endpoint; ///< null: no token yet
-    bool enters = false;                ///< a room of the machine before it
+    bool enters = false;                ///< enters a room of the previous machine
 };
 
 class Siege {
   public:
     Siege(std::uint64_t seed, bool has_too_many);
-    /// Returns what went wrong, or nothing.
+    /// Returns an error sentence or an empty string.
     std::string run(bool stays, attack::Figures& figures);
 
   private:
@@ -62,7 +62,8 @@ class Siege {
 
 RelayDef limits(SplitMix& random, std::uint32_t sources, std::uint32_t groups, bool has_too_many) {
     RelayDef def;
-    // The reserve is a quarter of a table: each hostile address may take one place of it, and each group of newcomers needs one.
+    // The reserve is a quarter of a table. Each hostile address may take one place of it, and each group of newcomers
+    // needs one.
     const std::uint32_t least = 4 * (sources + groups);
     def.rooms_max = has_too_many ? sources / 2 : least + random.below(16);
     def.matches_max = has_too_many ? sources / 2 : least + random.below(16);
@@ -77,7 +78,7 @@ Siege::Siege(std::uint64_t seed, bool has_too_many)
     wire.jitter_ms = random.below(30), wire.loss_permille = random.below(50);
     wire.attach(relay_at, relay);
     attackers.resize(networks * hosts + random.below(networks * hosts));
-    // One attacker at each address at least, so that those that may use the reserve do.
+    // At least one attacker at each address, so that every address uses the reserve if it may.
     for (std::size_t i = 0; i < attackers.size(); ++i)
         attackers[i].at = address_in(static_cast<std::uint32_t>(i) % networks,
                                      static_cast<std::uint32_t>(i) / networks % hosts, next_port++);
@@ -95,7 +96,8 @@ void Siege::take_token(Machine& machine) {
     wire.attach(machine.at, *machine.endpoint);
 }
 
-/// Opens a room, enters that of another attacker, or tries a code; a machine that had one has left it without a word.
+/// Opens a room, enters that of another attacker, or tries a code. A machine that had a room leaves it without a
+/// message.
 void Siege::open_or_leave(Machine& attacker) {
     if (attacker.client != nullptr) {
         wire.detach(attacker.at);
@@ -111,7 +113,7 @@ void Siege::open_or_leave(Machine& attacker) {
     wire.attach(attacker.at, *attacker.client);
 }
 
-/// Sends a datagram that was seen, whole or changed, from an address of its own.
+/// Sends a copied datagram, whole or changed, from an address of the attacker's own.
 void Siege::forge() {
     if (seen.empty()) return;
     Packet packet = seen[random.below(static_cast<std::uint32_t>(seen.size()))];

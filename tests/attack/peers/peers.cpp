@@ -1,9 +1,10 @@
-// One hostile machine among two to four: a whole match of packets with right checksums, changed field by field or byte by byte.
+// One hostile machine among two to four: a whole match of packets with valid checksums, changed field by field or byte
+// by byte.
 //
-// What must not happen: a crash, a hang, honest machines that part without being told. They may only differ where one was told
-// of a desync with the other, that the other has left, or that the match stopped.
+// Forbidden: a crash, a hang, honest machines that differ without a notice. Two machines may differ only where one of
+// them got a notice of a desync with the other, of the other's departure, or of the end of the match.
 //
-// Planted: "silent" gives one honest machine another world and keeps its hashes to itself; "hang" never ends.
+// Planted: "silent" gives one honest machine a changed world and ignores the notices; "hang" never ends.
 #include "attack/attack.h"
 #include "session/hostile.h"
 #include "session/inputs/input_queue.h"
@@ -35,7 +36,7 @@ std::uint64_t any_number(test::SplitMix& random, std::uint64_t near) {
     }
 }
 
-/// Some fields say something else. Inputs stay: a machine may press what it likes.
+/// Changes some fields. Inputs stay, because a machine may send any input of its own.
 void lie_in_fields(Message& m, std::uint32_t players, test::SplitMix& random) {
     const std::uint32_t all = (1u << players) - 1, p = random.below(players);
     for (std::uint32_t lies = 1 + random.below(3); lies > 0; --lies) {
@@ -98,7 +99,8 @@ std::vector<std::byte> with_other_bytes(std::span<const std::byte> from, std::ui
     return packet;
 }
 
-/// After which tick two machines hold different states, or `never`. Inputs that change nothing may differ.
+/// Returns the first tick after which two machines have different states, or `never`. Inputs without an effect may
+/// differ.
 std::uint64_t parting(const Timeline& a, const Timeline& b) {
     const std::size_t both = std::min(a.ticks.size(), b.ticks.size());
     for (std::size_t t = 0; t < both; ++t)
@@ -106,7 +108,7 @@ std::uint64_t parting(const Timeline& a, const Timeline& b) {
     return session::never;
 }
 
-/// Was `a` told that it and `b` have parted?
+/// Returns whether `a` got a notice that explains its difference from `b`.
 bool is_told(const Match& match, PeerId a, PeerId b, std::uint64_t at) {
     for (const Desync& desync : match.notices<Desync>(a))
         if (desync.peer == b && desync.tick <= at) return true;
@@ -115,7 +117,7 @@ bool is_told(const Match& match, PeerId a, PeerId b, std::uint64_t at) {
     return !match.notices<MatchStopped>(a).empty();
 }
 
-/// What a machine was told, for the report of a finding.
+/// The notices of a machine, for the report of a finding.
 std::string told_to(const Match& match, PeerId id) {
     std::string out = " [" + std::to_string(id) + ": " +
                       std::to_string(match.machines[id]->timeline.ticks.size()) + " ticks";
@@ -129,7 +131,7 @@ std::string told_to(const Match& match, PeerId id) {
 
 enum class Fault { none, silent, hang };
 
-/// Whether honest machines have parted without being told.
+/// Returns an error sentence if honest machines differ without a notice.
 std::string parted(const HostileMatch& h, Fault fault, bool may_part, attack::Figures& figures) {
     for (PeerId a = 0; a < h.hostile; ++a) {
         const SessionStats& stats = h.match.machines[a]->session->stats();
@@ -154,11 +156,11 @@ std::string parted(const HostileMatch& h, Fault fault, bool may_part, attack::Fi
     return {};
 }
 
-/// Who is honest goes on, or knows why not.
+/// Returns an error sentence unless each honest machine advances or has a notice that explains its stop.
 std::string stands_still(HostileMatch& h) {
     std::vector<std::size_t> before;
     for (PeerId a = 0; a < h.hostile; ++a) before.push_back(h.match.machine(a).timeline.ticks.size());
-    h.match.run(600); // ten times the patience
+    h.match.run(600); // ten times the timeout
     for (PeerId a = 0; a < h.hostile; ++a) {
         const bool knows = !h.match.notices<MatchStopped>(a).empty();
         const bool is_unplugged = h.match.notices<PlayerDisconnected>(a).size() >= h.hostile;
@@ -183,7 +185,7 @@ std::string one_match(std::uint64_t seed, Fault fault, attack::Figures& figures)
                               .connect_ms = 2000,
                               .seed = seed});
     const std::uint32_t how = random.below(3), lies_in = 1 + random.below(12);
-    bool may_part = false; // bytes may be inputs: then each hears another one
+    bool may_part = false; // bytes may be inputs: then peers may get different ones
     std::uint64_t hostile_packets = 0;
     h.liar.lie = [&](PeerId to, Message& m) {
         const Message truth = m;

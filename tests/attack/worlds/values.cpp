@@ -25,10 +25,10 @@ Real Values::between(Real low, Real high, Real usual) {
         return Real::from_raw(high.raw - (width > 0 ? 1 : 0));
     case 5:
         return random.range(low, high);
-    case 6: // by powers of two above the low limit
+    case 6: // by powers of two above the lower limit
         return Real::from_raw(
             static_cast<std::int64_t>(static_cast<std::uint64_t>(low.raw) + (width >> below(64))));
-    default: // and below the high one
+    default: // and below the upper one
         return Real::from_raw(
             static_cast<std::int64_t>(static_cast<std::uint64_t>(high.raw) - (width >> below(64))));
     }
@@ -57,7 +57,7 @@ UnitVec3 Values::direction() {
     if (chance(3)) return random.unit_vector();
     UnitVec3 v{};
     const int axis =
-        static_cast<int>(below(3)); // a statement a draw: compilers differ in what they evaluate first
+        static_cast<int>(below(3)); // one draw per statement: the evaluation order is unspecified
     v[axis] = chance(2) ? unit_one : -unit_one;
     return v;
 }
@@ -110,7 +110,7 @@ BodyDef body_def(Values& v, const Transform& pose) {
     d.enable_fields = v.integer(0, 1, 1);
     d.bullet = v.integer(0, 1, 0);
     d.user_key = v.key();
-    // By the key: one more draw would make other worlds of the seeds that once stopped. None of their bodies sleep.
+    // Decided by the key: one more draw would change the worlds of kept seeds, and none of their bodies sleep.
     d.awake = d.user_key % 13 == 7 ? 0 : 1;
     if (d.awake == 0) d.linear_velocity = d.angular_velocity = {};
     return d;

@@ -1,4 +1,4 @@
-// Values at and between the limits of a range, and definitions made of them.
+// Values at and between the limits of a range, and definitions with such values.
 #pragma once
 
 #include "lockstone/math/math.h"
@@ -11,7 +11,8 @@ namespace attack {
 
 using namespace lockstone;
 
-/// What a world is drawn from. Each draw is a statement of its own: compilers differ in the order of a call's arguments.
+/// The source of a world's values. Each draw is a statement of its own, because the evaluation order of a call's
+/// arguments is unspecified.
 class Values {
   public:
     explicit Values(std::uint64_t seed) : random(Random::seeded(seed)) {}
@@ -20,15 +21,15 @@ class Values {
     std::uint32_t below(std::uint32_t n) { return random.below(n); }
     std::uint32_t bits() { return random.next_u32(); }
     std::uint64_t key() { return random.next_u64(); }
-    /// How often a field is not the usual value: some worlds are tame but for a field or two, some are all extremes.
+    /// How often a field differs from its usual value. Some worlds have few unusual fields, some only extreme values.
     void set_wildness(std::uint32_t of_eight) { wildness = of_eight; }
     std::uint32_t integer(std::uint32_t low, std::uint32_t high, std::uint32_t usual);
-    /// The usual value; or the limits, one step inside, and what is spread evenly or by powers of two between.
+    /// The usual value, a limit, a value one step inside, or a value in between, uniform or by powers of two.
     Real between(Real low, Real high, Real usual);
-    /// Any value between the two, evenly.
+    /// A uniform value between the two.
     Real range(Real low, Real high) { return random.range(low, high); }
     Vec3 each_within(Real most, Vec3 usual = {});
-    /// At most `most` long.
+    /// A vector of at most this length.
     Vec3 as_long_as(Real most);
     Quat turn();
     UnitVec3 direction();
@@ -41,7 +42,7 @@ class Values {
 
 WorldDef world_def(Values& v);
 BodyDef body_def(Values& v, const Transform& pose);
-/// Of any kind that `kind` of body may have; assets are those of `assets_at_limits`.
+/// A shape of any kind that a body of `kind` may have; assets are those of `assets_at_limits`.
 Geometry geometry(Values& v, BodyKind kind, const AssetLibrary& assets);
 ShapeDef shape_def(Values& v, BodyKind kind, const AssetLibrary& assets);
 JointDef joint_def(Values& v);
@@ -51,7 +52,7 @@ CharacterDef character_def(Values& v, Vec3 at);
 FieldDef field_def(Values& v, Vec3 at);
 ExplosionDef explosion_def(Values& v, Vec3 at);
 
-/// The smallest and largest of each kind.
+/// The smallest and the largest asset of each kind.
 AssetLibrary assets_at_limits();
 
 } // namespace attack

@@ -1,8 +1,9 @@
-// Worlds whose definitions and commands lie at and between the limits of every field, for sanitizers to watch.
+// Worlds whose definitions and commands are at and between the limits of every field, for runs under sanitizers.
 //
-//   worlds FIRST LAST      a line for each seed: seed, digest of the hashes of all its ticks and of what queries answered
+//   worlds FIRST LAST      a line for each seed: seed, digest of the hashes of all its ticks and of the results of
+//                          queries
 //
-// A definition that the world refuses is an answer too; what it takes must tick without anything undefined.
+// A refused definition is a valid result. An accepted one must tick without undefined behaviour.
 #include "values.h"
 
 #include <cstdio>
@@ -45,7 +46,7 @@ class Attacked {
         v.set_wildness(wildness);
         return World::create(attack::world_def(v), {}, assets).value();
     }
-    /// Where the world's bodies are: mostly where the origin is, else anywhere up to the end of the range.
+    /// The place of the world's bodies: mostly near the origin, else anywhere in the range.
     static Vec3 place(Values& v) {
         if (v.chance(2)) return {};
         return v.chance(2) ? v.each_within(Real(40000)) : v.each_within(Real(1000000000));
@@ -72,7 +73,7 @@ class Attacked {
     void add_joint() {
         JointDef def = attack::joint_def(v);
         const BodyId a = v.chance(5) ? BodyId{} : body(), b = body();
-        if (v.chance(2)) { // where they stand
+        if (v.chance(2)) { // at their places
             const Transform at = v.near(center, reach);
             return told(world.create_joint(def, a, b, at));
         }
@@ -213,7 +214,7 @@ int main(int argc, char** argv) {
     const auto assets = std::make_shared<const AssetLibrary>(attack::assets_at_limits());
     for (std::uint64_t seed = first; seed <= last; ++seed) {
         std::printf("%llu ", static_cast<unsigned long long>(seed));
-        std::fflush(stdout); // a seed that stops is named
+        std::fflush(stdout); // names the seed that stops the program
         std::printf("%016llx\n", static_cast<unsigned long long>(Attacked(seed, assets).run()));
     }
     return 0;

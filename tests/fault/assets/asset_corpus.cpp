@@ -1,4 +1,5 @@
-// The fuzzer's findings again, and mutations of them: any bytes are refused with a sentence or make an asset that holds.
+// The fuzzer's kept inputs, and mutations of them: the library refuses bytes with an error sentence, or makes a valid
+// asset of them.
 #include "fuzz/asset_samples.h"
 #include "fuzz/corpus.h"
 

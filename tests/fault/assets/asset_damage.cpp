@@ -1,4 +1,4 @@
-// Damaged assets: flipped bits, missing and added bytes, and lies under a right checksum.
+// Damaged assets: flipped bits, missing and added bytes, and false content with a valid checksum.
 #include "fuzz/asset_samples.h"
 #include "support/effort.h"
 
@@ -12,7 +12,7 @@ using lockstone::base::join;
 
 namespace {
 
-/// The sentence that refuses the bytes; empty when they are accepted. A library that refused has not changed.
+/// The sentence that refuses the bytes; empty when they are accepted. A library that refuses does not change.
 std::string refusal(std::span<const std::byte> bytes) {
     AssetLibrary library = fuzz::library_with_hull();
     const Result<AssetId> id = library.add(bytes);
@@ -22,13 +22,13 @@ std::string refusal(std::span<const std::byte> bytes) {
 
 bool mentions(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
-/// How many of all single flipped bits are refused in sentences that say what they are about; `before` may undo them.
+/// Counts the single flipped bits that the library refuses with a sentence about their cause. `before` may undo them.
 std::size_t flips_a_byte() { return static_cast<std::size_t>(test::tries(8)); }
 template <class Before> std::size_t flips_refused(const AssetBytes& good, Before&& before) {
     std::size_t refused = 0;
     for (std::size_t at = 0; at < good.size(); ++at)
         for (std::size_t i = 0; i < flips_a_byte(); ++i) {
-            const std::size_t bit = (at + i) % 8; // where one is tried, it is another one in the next byte
+            const std::size_t bit = (at + i) % 8; // if one bit is tried, each byte tries a different one
             AssetBytes bytes = good;
             bytes[at] ^= static_cast<std::byte>(1 << bit);
             before(bytes);
@@ -54,7 +54,7 @@ struct Lie {
 
 // Long: one row per lie.
 const std::vector<Lie>& lies() {
-    // Positions are those of src/shapes/ASSET.md.
+    // The positions are those of src/shapes/ASSET.md.
     static const std::vector<Lie> all = {
         {"hull cube", [](AssetBytes& b) { put_u32(b, 8, 2); },
          "version is 2.0, this library reads 1.0 and 1.1 (at byte 8)"},
@@ -77,7 +77,8 @@ const std::vector<Lie>& lies() {
         {"hull cube", [](AssetBytes& b) { put_u32(b, 12, 9); }, "kind is 9"},
         {"hull cube", [](AssetBytes& b) { put_u32(b, 16, 1); }, "reserved is 1"},
         {"hull cube", [](AssetBytes& b) { b[0] = std::byte{0}; }, "this is not an asset"},
-        // A hull is its corners: what is not convex or not closed cannot be said, only points that are no corners.
+        // A hull is stored as its corners, so bytes cannot describe an open or concave one, only points that are no
+        // corners.
         {"hull cube", [](AssetBytes& b) { put_u32(b, payload, 7); }, "ends here, but 12 bytes follow"},
         {"hull cube", [](AssetBytes& b) { put_u32(b, payload, 9); }, "corner x needs 4 bytes, only 0 remain"},
         {"hull cube", [](AssetBytes& b) { put_u32(b, payload, 0xffffffff); }, "a hull of 4294967295 corners"},
@@ -198,7 +199,7 @@ TEST_CASE("every flipped bit of an asset is refused") {
     for (const fuzz::Sample& s : all_samples()) {
         REQUIRE(refusal(s.bytes) == "");
         CHECK_MESSAGE(flips_refused(s.bytes, [](AssetBytes&) {}) == s.bytes.size() * flips_a_byte(), s.name);
-        // Planted: with the checksum put right again, a flip of an unimportant bit passes.
+        // Planted: with a valid checksum a flip of an unimportant bit passes.
         CHECK(flips_refused(s.bytes, [](AssetBytes& b) { fuzz::seal(b); }) < s.bytes.size() * flips_a_byte());
     }
 }
@@ -224,7 +225,7 @@ TEST_CASE("lies under a right checksum are refused with the place and the reason
         CHECK(mentions(why, lie.answer));
         CHECK(why.starts_with("asset: "));
     }
-    // Planted: a lie that says nothing new is none.
+    // Planted: the edit writes the value that the sample has.
     AssetBytes same = sample("mesh");
     put_u32(same, payload + 8, 5);
     fuzz::seal(same);

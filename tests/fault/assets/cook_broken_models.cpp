@@ -1,5 +1,5 @@
-// Models that the importer does not survive: what is kept in tests/fuzz/corpus/broken ends as a sentence that names the
-// file and the reason, within the limits that were given, and the process that asked goes on.
+// Models that crash or hang the importer: for each one in tests/fuzz/corpus/broken the importer returns a sentence with
+// the file and the reason, within the given limits, and the calling process continues.
 #include "cook/import.h"
 
 #include <doctest/doctest.h>
@@ -13,7 +13,8 @@ using namespace lockstone;
 
 const std::filesystem::path folder = std::filesystem::path(LOCKSTONE_SOURCE_DIR) / "tests/fuzz/corpus/broken";
 
-/// Empty when the model was refused, with its name, because the importer did not come to an end of itself.
+/// Returns an empty string if the model was refused, by its name, because the importing process crashed or reached a
+/// limit.
 std::string uncontained(const std::filesystem::path& model, const cook::ImportLimits& limits) {
     const Result<cook::Soup> soup = cook::import_model(model.string(), limits);
     if (soup) return "was read";
@@ -31,7 +32,7 @@ TEST_CASE("models that break the importer end as a sentence") {
         CHECK(uncontained(entry.path(), {.seconds = 2}) == "");
         ++count;
     }
-    CHECK(count >= 2); // one that does not end, one that crashes
+    CHECK(count >= 2); // one that hangs, one that crashes
 }
 
 TEST_CASE("planted: a model that is read, or refused for what it says, did not break the importer") {

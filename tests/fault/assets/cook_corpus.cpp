@@ -1,4 +1,4 @@
-// The corpus of the cook fuzzer and thousands of mutations of it, the same in every run: each is refused with a
+// The corpus of the cook fuzzer and thousands of mutations of it, equal in every run: each is refused with an error
 // sentence or becomes assets that load.
 #include "support/effort.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 using Data = std::vector<std::uint8_t>;
 
-/// Sorted by name: the order of a directory is anybody's.
+/// Sorted by name, because the order of a directory is undefined.
 std::vector<Data> corpus(const char* of = "cook") {
     std::vector<std::filesystem::path> paths;
     for (const auto& entry :
@@ -39,7 +39,7 @@ std::size_t pick(Random& random, std::size_t count) {
     return static_cast<std::size_t>(random.range(0, static_cast<std::int32_t>(count) - 1));
 }
 
-/// A few bytes changed, cut out, doubled, or taken from another.
+/// A few bytes changed, removed, duplicated, or copied from another input.
 Data mutated(Data data, const std::vector<Data>& all, Random& random) {
     for (std::int32_t changes = random.range(1, 4); changes > 0 && !data.empty(); --changes) {
         const std::size_t at = pick(random, data.size());
@@ -86,7 +86,7 @@ TEST_CASE("models of the cook corpus and their mutations end as a sentence or as
         const fuzz::CookInput input = fuzz::read_cook_input(data);
         good += input.model.triangles.size() > 4 ? 1 : 0;
     }
-    CHECK(good > runs / 3); // mutations leave enough models that are worth cooking
+    CHECK(good > runs / 3); // mutations leave enough valid models
 }
 
 TEST_CASE("the model files that fuzzing starts from are models, from memory as from files") {
@@ -112,7 +112,7 @@ TEST_CASE("the model files that fuzzing starts from are models, from memory as f
 }
 
 TEST_CASE("planted: the corpus check notices an asset that does not load") {
-    // The check of check_cook on a set whose last asset is damaged.
+    // The check of check_cook, on a set whose last asset is damaged.
     const fuzz::CookInput input = fuzz::read_cook_input(corpus().front());
     Result<cook::Cooked> made = cook::cook(input.model, {});
     REQUIRE(made.ok());

@@ -1,4 +1,5 @@
-// The recording fuzzer's inputs and mutations of them: any bytes are refused with a sentence, or play alike each time.
+// The recording fuzzer's inputs and mutations of them: bytes are refused with an error sentence, or play equally each
+// time.
 #include "fuzz/corpus.h"
 #include "fuzz/seeds.h"
 

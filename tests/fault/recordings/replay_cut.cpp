@@ -1,4 +1,4 @@
-// Recordings that were cut, as by a crash or a full disk, and files that somebody else removes, replaces or writes.
+// Recordings that were cut, as by a crash or a full disk, and files that another process removes, replaces or writes.
 #include "support/effort.h"
 #include "support/small_recording.h"
 
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 bool holds(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
-/// A file name that nobody else has, gone at the end.
+/// A unique file name; the destructor removes the file.
 struct Path {
     std::string text = (fs::temp_directory_path() /
                         ("lockstone-cut-" + std::to_string(reinterpret_cast<std::uintptr_t>(this)) + ".lsr"))
@@ -64,7 +64,7 @@ TEST_CASE("what is damaged in its middle is not taken for cut") {
     CHECK(!read(bad, OnDamage::recover_cut).ok());
     const Recording rest = must(read(bad, OnDamage::recover));
     MemorySink sink;
-    must(repair(rest, sink)); // asked for by name, it keeps what stands before
+    must(repair(rest, sink)); // recovery on request keeps the ticks before the damage
     CHECK(verify(must(read(sink.bytes)),
                  [] {
                      static const SmallGame game;
@@ -82,7 +82,7 @@ TEST_CASE("two recorders do not write one file") {
     const auto second = FileSink::create(path.text);
     REQUIRE(!second);
     CHECK(holds(second.error().message, "another recorder is writing it"));
-    must(first.append(bytes)); // and nothing was lost
+    must(first.append(bytes)); // no bytes were lost
     CHECK(fs::file_size(path.text) == 200);
     must(first.close());
     CHECK(!is_being_written(path.text));
@@ -108,5 +108,5 @@ TEST_CASE("a file that is removed, replaced or changed while it is written is no
     CHECK(told("somebody else changed it",
                [](const std::string& path) { std::ofstream(path, std::ios::app) << "more"; }));
     CHECK(told("somebody else changed it", [](const std::string& path) { fs::resize_file(path, 10); }));
-    CHECK(!told("", [](const std::string&) {})); // the twin: nothing happened
+    CHECK(!told("", [](const std::string&) {})); // negative control: an unchanged file
 }

@@ -1,4 +1,4 @@
-// Damaged files: every byte of a recording is watched, and a reader says what is wrong instead of believing it.
+// Damaged files: the reader detects damage in every byte of a recording and reports it.
 #include "support/effort.h"
 #include "support/small_recording.h"
 
@@ -17,7 +17,7 @@ bool is_sentence(const std::string& text) {
     return text.starts_with("test.lsr: ") && text.size() > 30 && printable;
 }
 
-/// Refused when read strictly; when recovered, either refused or marked as damaged, never taken for whole.
+/// Requires that a strict read refuses the bytes, and that recovery refuses them or marks the recording as damaged.
 void check_refused(const Bytes& bytes, std::size_t where) {
     CAPTURE(where);
     const auto strict = read(bytes);
@@ -133,7 +133,7 @@ TEST_CASE("a huge number anywhere under good checksums is refused with a sentenc
     int refused = 0, read_but_bad = 0;
     for (std::size_t i = 0; i < chunks.size(); ++i) {
         if (chunks[i].type == chunk_index || chunks[i].type == chunk_end)
-            continue; // file_of() makes them anew
+            continue; // file_of() writes these chunks again
         for (std::size_t k = 0; k + 8 <= chunks[i].payload.size(); k += 4) {
             INFO("chunk ", chunk_name(chunks[i].type), ", byte ", k);
             auto bad = chunks;
@@ -151,7 +151,7 @@ TEST_CASE("a huge number anywhere under good checksums is refused with a sentenc
         }
     }
     CHECK(refused > 0);
-    CHECK(read_but_bad > 0); // a start's image and hash may be any to a reader
+    CHECK(read_but_bad > 0); // a reader accepts any image and hash of a start
 }
 
 TEST_CASE("announced sizes are refused before anything of that size is allocated") {

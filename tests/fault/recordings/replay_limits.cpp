@@ -1,5 +1,5 @@
-// What a file from anybody may take: memory and work are bounded before they are spent; definitions that no hash covered are
-// covered; the rules of a game refuse what they cannot go on from.
+// The limits of untrusted files: the reader bounds memory and work before it spends them; definitions are covered by a
+// hash; a game's rules refuse states from which they cannot continue.
 #include "lockstone/prove.h"
 #include "lockstone/session.h"
 #include "scenes/scenes.h"
@@ -32,7 +32,7 @@ Result<Recording> read_with(Bytes file, const Limits& limits) {
     return Recording::from_bytes(std::move(file), "test.lsr", OnDamage::refuse, limits);
 }
 
-/// Packed zeros that stand for at least `bytes`, whole runs.
+/// Packed zeros that unpack to about `bytes`, in whole runs.
 Bytes packed_zeros(std::uint64_t bytes) {
     Bytes out;
     for (std::uint64_t runs = bytes / 130; runs > 0; --runs)
@@ -80,7 +80,7 @@ TEST_CASE("a definition that would take more than the limit is refused before an
     const VerifyReport report = verify(must(read(with_definition(def))), nullptr);
     CHECK(report.verdict == Verdict::unusable);
     CHECK(holds(report.sentence, "bytes of memory, the limit is 1073741824 (--memory)"));
-    // The twin: what fits is played, and fits no more under a smaller limit.
+    // The negative control: a definition within the limit plays, and is refused under a smaller limit.
     CHECK(verify(must(read(commands_file())), nullptr).good());
     CHECK(!verify(must(read_with(commands_file(), {.memory = 1 << 20})), nullptr).good());
 }
@@ -99,7 +99,7 @@ TEST_CASE("an image of packed zeros is read without unpacking it, and not played
 }
 
 TEST_CASE("a tick of more work than the limit is refused when it is read") {
-    // What follows the first tick does not continue it, so the file is read up to there.
+    // The second tick does not continue the first one, so recovery reads the file up to there.
     const auto first_tick = [](std::uint32_t explosions, const Limits& limits) {
         return must(
             Recording::from_bytes(with_explosions(explosions), "test.lsr", OnDamage::recover, limits));
@@ -130,7 +130,7 @@ TEST_CASE("jobs share the limit of memory and give the verdict of one") {
 
 namespace {
 
-/// Does not look at what is loaded: the planted twin of every check.
+/// A game without check(): the planted fault of every test here.
 class Blind final : public Game {
   public:
     explicit Blind(const Game& rules) : game(rules) {}
@@ -147,7 +147,7 @@ class Blind final : public Game {
     const Game& game;
 };
 
-/// The rules fail at a tick.
+/// Rules that fail at a tick.
 class Failing final : public SmallGame {
   public:
     Status advance(World& world, std::span<const PlayerInput> inputs) const override {
@@ -156,7 +156,8 @@ class Failing final : public SmallGame {
     }
 };
 
-/// Each leaf of the game's columns set to what no id is: what the game does not refuse, it goes on from.
+/// Sets each leaf of the game's columns to an invalid id. The game must refuse the state, or advance it or fail with a
+/// sentence.
 void check_game_columns(const Game& game, int& refused) {
     World world = must(game.start());
     REQUIRE(game.check(world).ok());
@@ -237,7 +238,7 @@ TEST_CASE(
         CHECK(holds(player.error().message, "keyframe at 0: the game refuses the state: column game."));
         MemorySink sink;
         CHECK(!branch_inputs(recording, *game, 1, sink).ok());
-        CHECK(Player::open(recording, Blind(*game)).ok()); // the twin: only the game can know
+        CHECK(Player::open(recording, Blind(*game)).ok()); // negative control: only the game can detect it
     }
 }
 
@@ -266,6 +267,6 @@ TEST_CASE(
     const auto proof = prove(failing, {.ticks = 8}, nothing);
     REQUIRE(!proof);
     CHECK(holds(proof.error().message, "tick 3: the game's rules fail: the ball is gone"));
-    const SmallGame good; // the twin
+    const SmallGame good; // negative control
     CHECK(prove(good, {.ticks = 8, .bits_max = 100}, nothing).ok());
 }

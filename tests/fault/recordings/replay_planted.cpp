@@ -1,4 +1,4 @@
-// Planted faults: the verifier finds what was put there, names the tick, and never calls an empty comparison good.
+// Planted faults: the verifier finds each fault, names its tick, and never returns `good` for an empty comparison.
 #include "support/small_recording.h"
 
 #include <doctest/doctest.h>
@@ -54,8 +54,8 @@ TEST_CASE(
                         "test.lsr: tick " + std::to_string(first_jump(from)) + ": the state's hash is 0x"));
         }
     }
-    CHECK(verify(recording, std::make_unique<SmallGame>(399).get())
-              .good()); // nobody jumps any more: rightly good
+    CHECK(
+        verify(recording, std::make_unique<SmallGame>(399).get()).good()); // no player jumps: `good` is right
 }
 
 TEST_CASE("a wrong hash of one tick is found at that tick, in both modes") {
@@ -105,7 +105,7 @@ TEST_CASE("a keyframe that is off by one bit is found by its bytes, or by its ha
     const VerifyReport apart = verify(forged, &game, {.from_keyframes = true});
     CHECK(apart.verdict == Verdict::diverged);
     CHECK(apart.first_bad_tick == 19);
-    // The shard that starts from it sees its hash; the player refuses to go there.
+    // The shard that starts from it detects the wrong hash; the player refuses to seek there.
     const VerifyReport shard = verify(forged, &game, {.shard = 1, .shards = 3});
     CHECK(shard.verdict == Verdict::diverged);
     CHECK(holds(shard.sentence, "keyframe at 20: its state has hash 0x"));
@@ -185,13 +185,13 @@ TEST_CASE("a disk that fills up at any byte leaves an error and a recording that
             const SmallInputs inputs(SmallGame::script(t));
             must(game.advance(world, inputs.list));
             const Status status = recorder->after_tick(world, inputs.list);
-            if (!failure.empty()) REQUIRE(!status); // errors stay
+            if (!failure.empty()) REQUIRE(!status); // the error remains
             if (!status) failure = status.error().message;
         }
         if (recorder) REQUIRE(!recorder->close());
         if (recorder && failure.empty()) failure = recorder->close().error().message;
         REQUIRE(failure == "disk.lsr: cannot write: No space left on device");
-        REQUIRE(disk.refusals == 1); // after it nothing more is written
+        REQUIRE(disk.refusals == 1); // no write follows the error
         REQUIRE(std::equal(disk.bytes.begin(), disk.bytes.end(), whole.begin()));
         REQUIRE(!read(disk.bytes));
     }
@@ -199,7 +199,7 @@ TEST_CASE("a disk that fills up at any byte leaves an error and a recording that
 
 TEST_CASE("a full device is reported with the file's name and the system's reason") {
     auto created = FileSink::create("/dev/full");
-    if (!created) return; // not every system has one
+    if (!created) return; // not every system has this device
     World world = must(game.start());
     const auto recorder = InputRecorder::begin(*created, game, world);
     REQUIRE(!recorder);
@@ -236,7 +236,7 @@ TEST_CASE("a command that the world refuses on replay is a divergence at its tic
     base::store_little_endian(std::uint64_t{2}, end.data());
     base::store_little_endian(std::uint64_t{2}, end.data() + 8);
     const Recording recording = must(read(file_of(chunks, true)));
-    CHECK(verify(recording, nullptr).first_bad_tick == 0); // hashes 1 and 2 are made up
+    CHECK(verify(recording, nullptr).first_bad_tick == 0); // hashes 1 and 2 are invented
     Player player = must(Player::open(recording));
     must(player.step());
     const Status refused = player.step();

@@ -1,5 +1,6 @@
-// Attacks with good checksums: whoever can change a file can make its checksums, so the checks behind them are on
-// their own. Every mutation ends in a sentence or a verdict, never in a crash, and never in `good` for other states.
+// Attacks with valid checksums: an attacker who can change a file can also compute its checksums, so only the later
+// checks remain. Every mutation ends in an error sentence or a verdict, never in a crash, and never in `good` for other
+// states.
 #include "support/effort.h"
 #include "support/small_recording.h"
 
@@ -13,7 +14,7 @@ using namespace lockstone::test;
 
 namespace {
 
-/// One small change somewhere in the bytes: a bit, a byte, an integer at the edge, a piece gone, doubled or new.
+/// One small change in the bytes: a bit, a byte, an integer at the edge, a piece removed, duplicated or new.
 void mutate(Bytes& bytes, SplitMix& random) {
     if (bytes.empty()) return;
     const auto size = static_cast<std::uint32_t>(bytes.size());
@@ -52,8 +53,8 @@ struct Tally {
     int unread = 0, unplayable = 0, diverged = 0, good = 0;
 };
 
-/// Reads and verifies; a file found good must hold the states of the original, only its wrapping may be other (and
-/// its start, where that is forged: two states may have the same successor).
+/// Reads and verifies a file. A file with the verdict `good` must hold the states of the original. Only its format may
+/// differ, and its start if that is forged: two states may have one successor.
 void judge(Bytes file, const Recording& original, Tally& tally, bool forged_start = false) {
     static const SmallGame game;
     const auto result = read(std::move(file));
@@ -85,7 +86,7 @@ void judge(Bytes file, const Recording& original, Tally& tally, bool forged_star
         REQUIRE(result->keyframe_image(k) == original.keyframe_image(k));
 }
 
-/// `rounds` mutations of chunks of one type.
+/// Tries `rounds` mutations of chunks of one type.
 Tally attack(const Bytes& good, std::uint32_t type, int rounds, std::uint64_t seed) {
     const auto chunks = chunks_of(good);
     const Recording original = must(read(good));
@@ -119,7 +120,7 @@ TEST_CASE("mutated headers, schemas and definitions under good checksums are ref
         for (const Bytes* file : {&inputs_file(), &commands_file()}) {
             const int rounds = test::tries(1500);
             const Tally tally = attack(*file, type, rounds, 11);
-            CHECK(tally.unread + tally.unplayable > rounds * 3 / 5); // texts and options may say anything
+            CHECK(tally.unread + tally.unplayable > rounds * 3 / 5); // texts and options may have any content
         }
     }
 }
@@ -179,8 +180,8 @@ TEST_CASE("inputs that were changed and packed anew diverge at their tick, unles
 
 TEST_CASE("a start whose image was forged with all its checksums and hashes is refused or does not match the "
           "ticks") {
-    // The deepest attack: the image's own checksum and the root hashes are right, so only the world's checks of its state
-    // and the re-simulation remain.
+    // The strongest attack: the image's own checksum and the root hashes are valid, so only the world's checks of its
+    // state and the new simulation remain.
     const Bytes& good = commands_file();
     const auto chunks = chunks_of(good);
     const Recording original = must(read(good));
@@ -208,7 +209,7 @@ TEST_CASE("a start whose image was forged with all its checksums and hashes is r
         to.u64(state.hash());
         to.u64(forged.size());
         pack(forged, payload);
-        // Later keyframes are deltas to the first: drop them, so that only the ticks speak.
+        // Later keyframes are deltas to the first one: they are dropped, so that only the ticks can reveal the change.
         std::erase_if(
             bad, [&, n = 0](const Chunk& chunk) mutable { return chunk.type == chunk_keyframe && n++ > 0; });
         judge(file_of(bad, true), original, tally, true);
@@ -217,7 +218,7 @@ TEST_CASE("a start whose image was forged with all its checksums and hashes is r
     CHECK(tally.unplayable > rounds / 20); // the world's own checks
     CHECK(tally.diverged > rounds / 20);   // the hashes
     CHECK(tally.good <
-          loaded / 20); // a force too small to move anything, a game row that is written before it is read
+          loaded / 20); // a force too small for any motion, a game row that is overwritten before it is read
 }
 
 TEST_CASE("a command of an unknown kind is refused by its number") {

@@ -1,5 +1,5 @@
-// States in which something does not fit together, or is out of the range that commands keep to: each is refused with a sentence
-// that says what does not, and the world stays as it was.
+// Inconsistent states, and states with values outside the range that commands allow: the world refuses each with a
+// sentence about the cause, and does not change.
 #include "model/contact_rows.h"
 #include "model/manifest.h"
 #include "scenes/scenes.h"
@@ -21,11 +21,12 @@ using M = sim::Manifest;
 using Damage = std::function<void(State&, const M&)>;
 
 struct Row {
-    std::string words; ///< of the sentence; empty: it is taken
+    std::string words; ///< part of the sentence; empty: accepted
     Damage damage;
 };
 
-/// The sentence of a world that is given its own state with some damage; empty when it takes it.
+/// Loads the world's own state with some damage. Returns the error sentence, or an empty string if the world accepts
+/// it.
 std::string said_of(const World& world, const Damage& damage) {
     World w = world.clone();
     State state = w.state();
@@ -37,7 +38,7 @@ std::string said_of(const World& world, const Damage& damage) {
 }
 
 void check(const World& world, const std::vector<Row>& rows) {
-    CHECK(said_of(world, [](State&, const M&) {}) == ""); // the twin
+    CHECK(said_of(world, [](State&, const M&) {}) == ""); // negative control
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const std::string said = said_of(world, rows[i].damage);
         INFO("row ", i, ": '", rows[i].words, "' is expected, '", said, "' is said");
@@ -46,7 +47,7 @@ void check(const World& world, const std::vector<Row>& rows) {
     }
 }
 
-/// Two boxes alike and a ball on a plane, touching; a third box is gone, so that rows are free.
+/// Two equal boxes and a ball on a plane, touching. A third box was destroyed, so that there are free rows.
 World touching() {
     World w = made(World::create({}));
     add_floor(w);
@@ -91,7 +92,7 @@ World walking() {
     return w;
 }
 
-/// Row of the table of what bodies are like that no body uses.
+/// A free row of the table of body traits.
 std::uint32_t free_row(const State& s, const M& m) { return s.rows(m.header)[0].body_traits_free - 1; }
 auto& uses_of_first(State& s, const M& m) {
     return s.edit_row(m.body_traits.uses, s.rows(m.body_info)[1].traits);
@@ -107,7 +108,7 @@ sim::BodySleep& sleeper(State& s, const M& m) {
         if (b.next != 0) return b;
     throw std::runtime_error("no body sleeps");
 }
-/// The lowest two members of a ring lead to the third: the first never comes to the second.
+/// Makes the lowest member of a ring lead to the third one, so that it never reaches the second.
 void join_rings(State& s, const M& m) {
     std::vector<std::uint32_t> slots;
     for (std::uint32_t i = 0; i < s.count(m.bodies); ++i)
@@ -116,7 +117,7 @@ void join_rings(State& s, const M& m) {
     if (slots.size() < 3) throw std::runtime_error("no ring of three");
     s.edit_row(m.body_sleep, s.rows(m.body_slot)[slots[0] - 1].row).next = slots[2];
 }
-/// The first contact gets a second row, a copy without contact_touching, whose flags are changed.
+/// Gives the first contact a second row, a copy without contact_touching, and changes the flags of the copy.
 void add_row(State& s, const M& m, std::uint32_t more_flags) {
     sim::ContactList list;
     sim::read_contacts(s, m.contacts, list);
@@ -126,7 +127,7 @@ void add_row(State& s, const M& m, std::uint32_t more_flags) {
     sim::write_contacts(s, m.contacts, list);
 }
 void add_flags(State& s, const M& m, std::uint16_t flags) { s.edit_row(m.contacts.memory, 0).flags ^= flags; }
-/// All dynamic bodies that rest, or that do not, move.
+/// Gives a velocity to all sleeping dynamic bodies, or to the awake ones.
 void push(State& s, const M& m, bool resting) {
     for (std::uint32_t i = 0; i < s.count(m.bodies); ++i)
         if (s.rows(m.body_info)[i].kind == BodyKind::dynamic &&
@@ -217,7 +218,7 @@ TEST_CASE("broken joint lists, and joints that no command could make, are refuse
            {"joint list", [&](State& s, const M& m) { leads_to(s, m, true); }},
            {"joints in no list", [&](State& s, const M& m) { leads_to(s, m, false); }},
            {"joint list",
-            [](State& s, const M& m) { // two bodies exchange their lists
+            [](State& s, const M& m) { // two bodies swap their lists
                 const auto info = s.edit(m.body_info);
                 std::swap(info[0].first_joint, info[info.size() - 1].first_joint);
             }},

@@ -1,5 +1,4 @@
-// Programmer's errors end the program and print the values. Each runs in a
-// child process.
+// Programming errors end the program and print the values. Each test runs in a child process.
 #include "support/state_sample.h"
 #include "support/stops.h"
 

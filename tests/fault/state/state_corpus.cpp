@@ -1,4 +1,4 @@
-// The state fuzzer's inputs and mutations of them: any bytes are refused and change nothing, or are a world that ticks on.
+// The state fuzzer's inputs and mutations of them: bytes are refused and change nothing, or give a world that can tick.
 #include "fuzz/corpus.h"
 #include "fuzz/seeds.h"
 #include "lockstone/testing.h"
@@ -9,7 +9,7 @@ using namespace lockstone;
 
 namespace {
 
-/// What the check says of these bytes when they are loaded like this.
+/// The result of the check when `load` loads these bytes.
 template <class Load> std::string complaint(const fuzz::Buffer& data, Load&& load) {
     bool loaded = false;
     return fuzz::check_state_load(fuzz::read_state_input(data), loaded, load);
@@ -35,7 +35,7 @@ template <class Visit> void for_each_number(Visit&& visit) {
     }
 }
 
-/// The input that sets one number to an edge.
+/// The input that sets one number to an edge value.
 fuzz::Buffer at_edge(unsigned world, std::uint8_t column, std::uint8_t row, std::uint16_t leaf,
                      std::uint8_t edge) {
     const auto first = static_cast<std::uint8_t>(world | 16u);

@@ -1,4 +1,5 @@
-// Damaged, foreign and hostile deltas: refused with a sentence and the state as it was, or exactly the right result.
+// Damaged, foreign and hostile deltas: refused with an error sentence and without a change, or applied to exactly the
+// right state.
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "support/state_sample.h"
@@ -10,7 +11,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-/// Two states of which some rows are the same, moved, changed, new and gone, and the delta between them.
+/// Two states with rows that are equal, moved, changed, new and removed, and the delta between them.
 struct Pair {
     Sample s = make_sample();
     State from = random_state(s, 4, 6, 5, 17), to = random_state(s, 4, 6, 5, 17);
@@ -31,14 +32,15 @@ const Pair& pair() {
     return one;
 }
 
-/// Makes the size field and the checksum agree with the bytes, as someone who means harm would.
+/// Writes a valid size field and checksum, as an attacker would do.
 void seal(Bytes& delta) {
     base::store_little_endian<std::uint64_t>(delta.size(), delta.data() + 12);
     const std::size_t end = delta.size() - 8;
     base::store_little_endian(base::xxh3(std::span<const std::byte>(delta).first(end)), delta.data() + end);
 }
 
-/// What `apply` makes of a delta: refused with a sentence and nothing changed, or the right state. Else what is wrong.
+/// Applies a delta. Returns an empty string if it is refused with a sentence and without a change, or gives the right
+/// state. Else an error sentence.
 template <class Apply> std::string misused(const Bytes& delta, Apply&& apply) {
     State state = pair().from;
     const Status status = apply(state, delta);
@@ -57,7 +59,7 @@ std::string refusal(const Bytes& delta, const State& base) {
     return status.error().message;
 }
 
-/// Every delta with one byte changed under a right checksum. Returns the first complaint of `check`.
+/// Tries every delta with one changed byte and a valid checksum. Returns the first error of `check`.
 template <class Check> std::string first_resealed(Check&& check) {
     for (std::size_t at = 0; at + 8 < pair().delta.size(); ++at)
         for (const unsigned flip : {1u, 2u, 0x40u, 0x80u, 0xffu}) {
@@ -155,7 +157,7 @@ TEST_CASE("a delta's refusal names the place and both values") {
 TEST_CASE(
     "planted fault: a reader that trusts the bytes, or leaves a half-made state, is caught by these checks") {
     const auto trusting = [](State& state, const Bytes& delta) -> Status {
-        State next = pair().to; // as if applied, without a look at what the hash says
+        State next = pair().to; // as if applied, without a check of the hash
         if (delta[50] != pair().delta[50]) next.edit_row(pair().s.velocity, 0).x.raw ^= 1;
         state = next;
         return {};

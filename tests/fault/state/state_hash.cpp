@@ -1,4 +1,4 @@
-// What the hash covers, by a checker that is itself checked: hashes that skip something must be caught by it.
+// The data that the hash covers. The test also checks its own checker: it must detect hashes that skip data.
 #include "base/hash.h"
 #include "base/text.h"
 #include "support/state_sample.h"
@@ -9,7 +9,7 @@ namespace lockstone::test {
 namespace {
 
 /// Flips every bit of every live row, and every bit of every count that stays within the capacity. Returns the first
-/// flip that `hash` does not see; empty when it sees all.
+/// flip that `hash` ignores, or an empty string.
 template <class Hash> std::string first_unhashed_bit(State state, Hash&& hash) {
     const std::uint64_t before = hash(state);
     for (std::uint32_t column = 0; column < state.layout().columns().size(); ++column) {
@@ -33,10 +33,10 @@ template <class Hash> std::string first_unhashed_bit(State state, Hash&& hash) {
     return "";
 }
 
-/// A hash built from the pages of the tree, which leaves out what it is told to.
+/// A hash of the tree's pages that leaves out the named parts.
 struct Omission {
     std::string column{};        ///< leave out this column's pages
-    bool last_page_only = false; ///< only the last of them
+    bool last_page_only = false; ///< leave out only the last of them
     std::string table{};         ///< leave out this table's count
 };
 std::uint64_t partial_hash(const State& state, const Omission& omit) {
@@ -116,7 +116,7 @@ TEST_CASE("two trees are descended to the pages that differ") {
           std::vector<PageRef>{
               {s.velocity.index, 0, 0, 7}, {s.manifold.index, 0, 0, 169}, {s.manifold.index, 2, 340, 399}});
     right = left;
-    right.resize(s.contact, 170); // a page that one side lacks is a difference, from either side
+    right.resize(s.contact, 170); // a page that only one side has is a difference, in both directions
     const std::vector<PageRef> missing{{s.manifold.index, 1, 170, 339}, {s.manifold.index, 2, 340, 399}};
     CHECK(differing_pages(left.hash_tree(), right.hash_tree()) == missing);
     CHECK(differing_pages(right.hash_tree(), left.hash_tree()) == missing);

@@ -1,4 +1,4 @@
-// Damaged, foreign and hostile portable images: refused with a sentence, or exactly what they say; never in between.
+// Damaged, foreign and hostile portable images: refused with an error sentence, or loaded exactly as written.
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "support/effort.h"
@@ -36,14 +36,15 @@ std::string to_hex(std::span<const std::byte> bytes) {
     return out;
 }
 
-/// Makes the size field and the checksum agree with the bytes, as someone who means harm would.
+/// Writes a valid size field and checksum, as an attacker would do.
 void seal(Bytes& image) {
     base::store_little_endian<std::uint64_t>(image.size(), image.data() + 12);
     const std::size_t end = image.size() - 8;
     base::store_little_endian(base::xxh3(std::span<const std::byte>(image).first(end)), image.data() + end);
 }
 
-/// Restores into a state with content; requires a refusal with a sentence, and the state untouched. The sentence.
+/// Restores the image into a state with content. Requires an error sentence and an unchanged state. Returns the
+/// sentence.
 std::string refusal(std::span<const std::byte> image, const Sample& s = make_sample()) {
     static const State before = random_state(make_sample(), 2, 3, 1, 99);
     State state(s.layout);
@@ -58,7 +59,7 @@ std::string refusal(std::span<const std::byte> image, const Sample& s = make_sam
     return status.error().message;
 }
 
-/// Where a text stands in an image.
+/// The offset of a text in an image.
 std::size_t find(const Bytes& image, std::string_view text) {
     const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
     const auto found = std::search(image.begin(), image.end(), bytes.begin(), bytes.end());
@@ -80,7 +81,7 @@ TEST_CASE("the portable bytes of a tiny state are these") {
     state.edit_row(speed, 0) = decimal<Speed>("1.5");
     state.edit_row(speed, 1) = decimal<Speed>("-0.25");
     state.edit_row(key, 1) = 0x0102030405060708;
-    const std::string golden = // worked out apart from this code, from the format's README
+    const std::string golden = // computed by hand from the format's README, without this code
         "4c5353544154450a"     // magic
         "01000000"             // version
         "7900000000000000"     // size

@@ -1,5 +1,4 @@
-// A write behind the state's back leaves hashes and images stale: the
-// self-check names the column and the rows.
+// A write that bypasses State::edit leaves stale hashes and images: the self-check names the column and the rows.
 #include "support/state_sample.h"
 
 #include <doctest/doctest.h>
@@ -7,7 +6,7 @@
 namespace lockstone::test {
 namespace {
 
-/// Flips a bit of a row without telling the state.
+/// Flips a bit of a row without State::edit.
 void write_unseen(const State& state, Column<Manifold> column, std::uint32_t row) {
     const std::span<const Manifold> rows = state.rows(column);
     const_cast<Manifold&>(rows[row]).key ^= 1;
@@ -26,7 +25,7 @@ TEST_CASE("planted fault: a write that goes past edit makes the hash stale and "
     REQUIRE(!status.ok());
     CHECK(status.error().message == "versions: column contact.manifold, rows 170 to 339: written without "
                                     "State::edit since the last hash");
-#ifdef NDEBUG // other builds end at a hash that would be stale
+#ifdef NDEBUG // other builds stop at a stale hash
     CHECK(state.hash() == before);
 #endif
     state.edit_row(s.manifold, 200);

@@ -1,4 +1,4 @@
-// What must hold for any bytes whatsoever that an asset library is given; for the fuzzer and for the tests that replay it.
+// The rules for an asset library that gets arbitrary bytes. The fuzzer and the tests that replay its inputs use them.
 #pragma once
 
 #include "base/hash.h"
@@ -13,7 +13,7 @@ namespace fuzz {
 
 using namespace lockstone;
 
-/// A library with a tetrahedron, for compounds to name.
+/// A library with a tetrahedron, which compounds can name.
 inline AssetLibrary library_with_hull() {
     const auto point = [](int x, int y, int z) { return LengthVec3{Length(x), Length(y), Length(z)}; };
     const LengthVec3 corners[] = {point(0, 0, 0), point(1, 0, 0), point(0, 1, 0), point(0, 0, 1)};
@@ -22,7 +22,7 @@ inline AssetLibrary library_with_hull() {
     return library;
 }
 
-/// Writes the checksum that the content has, so that what lies behind it is reached.
+/// Writes the valid checksum of the content, so that the bytes reach the checks after the checksum.
 inline void seal(AssetBytes& bytes) {
     if (bytes.size() < shapes::asset_checksum_size) return;
     const std::size_t size = bytes.size() - shapes::asset_checksum_size;
@@ -30,7 +30,7 @@ inline void seal(AssetBytes& bytes) {
     base::store_little_endian(sum == 0 ? std::uint64_t{1} : sum, bytes.data() + size);
 }
 
-/// Queries around some triangles: each must find itself. A query without bounds must find all.
+/// Queries around some triangles. Each query must find its triangle, and a query without bounds must find all.
 inline std::string check_triangles(const shapes::Solid& solid) {
     std::vector<std::uint32_t> found;
     const std::uint32_t count = shapes::triangle_count(solid), stride = 1 + count / 16;
@@ -62,7 +62,7 @@ inline std::string check_hull(const shapes::Hull& hull) {
     return {};
 }
 
-/// What the bytes did wrong, or nothing; `loaded` tells whether they were accepted.
+/// Returns an error sentence or an empty string. Sets `loaded` if the library accepted the bytes.
 inline std::string check(std::span<const std::byte> bytes, const AssetLibrary& library, bool& loaded) {
     const auto asset = shapes::parse_asset(bytes, library);
     loaded = asset.ok();

@@ -1,5 +1,6 @@
-// What must hold of the packets of those who are not in the match, and of desyncs, whatever the bytes; for the fuzzer and for the
-// tests that replay it. Byte 0: which packet (modulo 7) and, from 128 on, that the checksum is made right; the rest: the packet.
+// The rules for packets of machines outside the match and for packets about desyncs, with arbitrary bytes. The fuzzer
+// and the tests that replay its inputs use them. Byte 0: the kind of packet (modulo 7); from 128 on the checksum is
+// made valid. The rest: the packet.
 #pragma once
 
 #include "fuzz/edits.h"
@@ -16,7 +17,8 @@ using namespace lockstone;
 inline constexpr std::uint32_t guest_match = 0x01020304;
 inline constexpr std::array<std::uint8_t, 7> guest_kinds{0x57, 0x54, 0x4f, 0x43, 0x48, 0x52, 0x51};
 
-/// What is read is written the same; what is taken of chunks is what the offer says. The complaint, or nothing.
+/// A decoded packet must encode to equal bytes, and an accepted chunk must match the offer. Returns an error sentence
+/// or an empty string.
 inline std::string check_guest_packet(std::span<const std::byte> data) {
     Input in(data);
     const std::uint8_t how = in.take_u8();
@@ -67,7 +69,7 @@ inline std::string check_guest_packet(std::span<const std::byte> data) {
     return {};
 }
 
-/// One good packet of each kind, and one of each with a wrong byte.
+/// One valid packet of each kind, and one of each kind with a wrong byte.
 inline std::vector<Seed> guest_seeds() {
     Buffer b;
     session::Chunk chunk;

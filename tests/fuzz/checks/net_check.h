@@ -1,6 +1,7 @@
-// Any datagrams to players and a relay in the middle of a match. An input is a list of steps: time passes, a datagram of anybody's bytes, one that
-// was sent and is changed, cut, made longer or sent from elsewhere. The law: nothing that was not sent by a player is delivered, nothing is
-// delivered twice, no stranger draws more bytes than it sends, and they go on afterwards.
+// Arbitrary datagrams to players and a relay during a match. An input is a list of steps: time passes, or a datagram
+// arrives. The datagram has arbitrary bytes, or it was sent before and is changed, cut, lengthened or sent from another
+// address. The rules: only packets that a player sent are delivered, each once; no stranger receives more bytes than it
+// sends; the players continue afterwards.
 #pragma once
 
 #include "fuzz/edits.h"
@@ -34,7 +35,7 @@ class SiegedNet {
 
     std::string start() { return players->connect(5000) ? "" : "nobody connects"; }
 
-    /// A frame of both, each saying what nobody has said before. What is wrong, or nothing.
+    /// A frame of both players. Each sends a new packet. Returns an error sentence or an empty string.
     std::string frame(std::uint64_t ms) {
         for (lockstone::PeerId from = 0; from < 2; ++from) {
             lockstone::test::Packet packet(12, static_cast<std::byte>(from));
@@ -47,7 +48,7 @@ class SiegedNet {
         return taken();
     }
 
-    /// One datagram more, to player 0, player 1 or the relay. What is wrong, or nothing.
+    /// Delivers one datagram to player 0, player 1 or the relay. Returns an error sentence or an empty string.
     std::string attack(std::uint8_t at, const lockstone::NetAddress& from, std::span<const std::byte> bytes) {
         std::size_t drawn = 0;
         const bool is_known = from == lockstone::test::address(10) || from == lockstone::test::address(11) ||
@@ -111,7 +112,7 @@ class SiegedNet {
     std::uint64_t said = 0;
 };
 
-/// Where a hostile datagram claims to come from.
+/// The source address that a hostile datagram claims.
 inline lockstone::NetAddress source_of(std::uint8_t which) {
     if (which % 4 == 3) return lockstone::test::address(which < 128 ? 1 : 2, 9999);
     return lockstone::test::address(which % 4 == 2 ? 66 : static_cast<std::uint8_t>(10 + which % 4),
@@ -144,7 +145,7 @@ inline std::string check_net(std::span<const std::byte> data, NetOutcome& outcom
     return complaint;
 }
 
-/// Anybody's bytes as a token or a pass; or as what stands inside one that was sealed with the right key.
+/// Arbitrary bytes as a token or a pass, or as the content of one that is sealed with the right key.
 inline std::string check_token(std::span<const std::byte> data) {
     Input in(data);
     const std::uint8_t how = in.take_u8();

@@ -1,15 +1,16 @@
-// What must hold of a session whatever packets arrive; for the fuzzer and for the tests that replay it.
+// The rules for a session that gets arbitrary packets. The fuzzer and the tests that replay its inputs use them.
 //
-// Machine 0 is asked; the others are honest. Beside it runs a twin that gets only the packets that machine 0 did not
-// drop: since dropped packets change nothing, the two send, run and confirm the same.
+// The test checks machine 0; the others are honest. A twin of machine 0 gets only the packets that machine 0 did not
+// drop. Dropped packets must change nothing, so both must send, run and confirm equal data.
 //
-// Byte 0 of an input: bit 0 lockstep, bit 1 three machines instead of two, bits 2-3 input delay - 1, bit 4 silence counts
-// as gone after 200 ms instead of 5 s. Then steps, each u8, modulo 8:
+// Byte 0 of an input: bit 0 lockstep, bit 1 three machines instead of two, bits 2-3 input delay - 1, bit 4 the timeout
+// is 200 ms instead of 5 s. Then steps, each u8, modulo 8:
 //   0-2   1, 2 or 8 frames of all machines
-//   3     a packet of any bytes: u8 from, u8 size, bytes; its head and checksum are made right when from < 128
-//   4, 5  the last honest packet of a peer, changed: u8 from, u8 number of splices modulo 4, those; checksum as with 3
-//   6     what is on its way to machine 0 is lost
-//   7     time leaps: u8 times 16 ms
+//   3     a packet of arbitrary bytes: u8 from, u8 size, bytes; its head and checksum are made valid when from < 128
+//   4, 5  the last honest packet of a peer, changed: u8 from, u8 number of splices modulo 4, the splices; checksum
+//         as in 3
+//   6     all packets under way to machine 0 are lost
+//   7     time advances by u8 times 16 ms
 #pragma once
 
 #include "fuzz/edits.h"
@@ -22,7 +23,7 @@ namespace fuzz {
 
 using namespace lockstone;
 
-/// A packet whose first bit says that it is a greeting gets the head of one.
+/// Writes the head of a greeting into a packet whose first bit marks it as one, and a valid checksum.
 inline void seal_packet(Buffer& packet, std::uint32_t match) {
     constexpr std::size_t match_at = 4;
     if (packet.size() >= match_at + 8 && (packet[0] & std::byte{128}) == std::byte{0}) {
@@ -33,11 +34,11 @@ inline void seal_packet(Buffer& packet, std::uint32_t match) {
     test::seal(packet, match);
 }
 
-/// What has arrived at one machine, and what it has sent. Tells which packets its session did not drop.
+/// The packets that arrived at one machine and those that it sent. Detects which packets its session did not drop.
 class Mailbox final : public Transport {
   public:
     struct Packet {
-        PeerId peer; ///< from or to whom
+        PeerId peer; ///< the other machine
         Buffer bytes;
         bool hostile = false;
         friend bool operator==(const Packet&, const Packet&) = default;
@@ -57,7 +58,7 @@ class Mailbox final : public Transport {
     }
     const Session* session = nullptr;
     std::deque<Packet> waiting;
-    std::vector<Packet> sent, taken; ///< since they were last cleared
+    std::vector<Packet> sent, taken; ///< since the last clear()
 
   private:
     Packet held{};
@@ -85,7 +86,7 @@ struct PacketSetup {
     }
 };
 
-/// Makes machine 0's session, unless a test plants another one.
+/// Makes machine 0's session. A test may use another maker to plant a fault.
 struct SessionMaker {
     std::unique_ptr<Session> operator()(const PacketSetup& setup, const SessionDef& def,
                                         Transport& transport) const {
@@ -121,7 +122,7 @@ struct Machine {
     }
 };
 
-/// How a match went under fire.
+/// The result of an attacked match.
 struct PacketOutcome {
     std::uint64_t hostile_taken = 0, dropped = 0, ticks = 0;
 };
@@ -135,7 +136,7 @@ class SiegedMatch {
         twin = std::make_unique<Machine>(setup, 0, SessionMaker());
     }
 
-    /// One frame of all. What is wrong, or nothing.
+    /// One frame of all machines. Returns an error sentence or an empty string.
     std::string frame() {
         now_ms += 16;
         Machine& asked = *machines[0];
@@ -160,11 +161,11 @@ class SiegedMatch {
         now_ms += ms;
         has_leapt = has_leapt || ms > 0;
     }
-    /// The last packet of a peer to machine 0; empty before the first.
+    /// The last packet of a peer to machine 0; empty before the first one.
     const Buffer& last_packet(std::size_t peer) const { return last[peer % last.size()]; }
     std::uint32_t match() const { return session::packet_context(setup.def(0)).match; }
 
-    /// Some more frames in peace: they go on, unless somebody's lies were believed.
+    /// Some more frames without attacks. The match must continue, unless a session accepted a hostile packet.
     std::string finish() {
         const std::uint64_t tick_before = machines[0]->session->current_tick();
         for (int i = 0; i < 40; ++i)
@@ -176,7 +177,7 @@ class SiegedMatch {
         for (const std::uint64_t count : stats.dropped) by_fault += count;
         if (by_fault != stats.packets_dropped) return "dropped packets are not counted by their fault";
         const bool deceived = outcome.hostile_taken > 0 || has_leapt;
-        // Lockstep among three waits for the way there and back: a tick in four frames where the delay is 1.
+        // Lockstep among three waits for a round trip: a tick in four frames at a delay of 1.
         const std::uint64_t ticks_least = setup.lockstep && setup.machines > 2 ? 6 : 20;
         if (!deceived && outcome.ticks < tick_before + ticks_least)
             return "nothing was believed, but the match stands still";
@@ -253,7 +254,7 @@ inline std::string step_of(Input& in, SiegedMatch& match, int& frames) {
     return {};
 }
 
-/// What a session did wrong under these packets, or nothing.
+/// Returns an error sentence about a session that gets these packets, or an empty string.
 template <class Make = SessionMaker>
 std::string check_packets(std::span<const std::byte> data, PacketOutcome& outcome, Make&& make = {}) {
     Input in(data);

@@ -1,11 +1,13 @@
-// What must hold for any bytes that are read and played as a recording; for the fuzzer and for the tests that replay it.
+// The rules for arbitrary bytes that are read and played as a recording. The fuzzer and the tests that replay its
+// inputs use them.
 //
-// Byte 0 of an input: bits 0-1 the recording (modulo 3); bits 2-3 what the rest is:
+// Byte 0 of an input: bits 0-1 the recording (modulo 3); bits 2-3 the meaning of the rest:
 //   0     the file itself
-//   1     changes of a good file, each a `splice`
-//   2     changes of its chunks: u8 chunk, u8 1: what is packed in it, 0: its payload as it is, then a `splice`
-//   3     changes of the state it starts from: see `edit_rows`; later keyframes are left out
-// bit 4: the index tells where chunks are then (2 and 3). Checksums and hashes are made right afterwards.
+//   1     changes of a valid file, each a `splice`
+//   2     changes of its chunks: u8 chunk, u8 1: its packed content, 0: its payload, then a `splice`
+//   3     changes of the state at its start: see `edit_rows`; later keyframes are left out
+// bit 4: the index has the places of the chunks after the change (2 and 3). Checksums and hashes are made valid
+// afterwards.
 #pragma once
 
 #include "fuzz/checks/state_check.h"
@@ -17,7 +19,7 @@ using replay::OnDamage;
 using replay::Player;
 using replay::Recording;
 
-/// Goes on where the small game cannot, as in states that it never makes.
+/// Continues where the small game stops with an error, as in states that it never makes.
 class ForgivingGame final : public lockstone::test::SmallGame {
   public:
     Status advance(World& world, std::span<const PlayerInput> inputs) const override {
@@ -66,7 +68,7 @@ inline const Buffer& recording_of(std::size_t index) {
     return all[index];
 }
 
-/// Makes the chain of checksums right, as far as frames can be followed.
+/// Makes the chain of checksums valid, as far as the frames can be read.
 inline void seal_recording(Buffer& file) {
     using namespace lockstone::replay;
     if (file.size() < preamble_bytes) return;
@@ -83,7 +85,7 @@ inline void seal_recording(Buffer& file) {
     }
 }
 
-/// Where the packed bytes of a payload begin, and where the u64 that tells their unpacked size stands.
+/// The offset of a payload's packed bytes, and of the u64 with their unpacked size.
 struct PackedAt {
     std::size_t packed, size;
 };
@@ -97,7 +99,7 @@ inline std::optional<PackedAt> packed_at(const lockstone::test::Chunk& chunk) {
     return at;
 }
 
-/// A keyframe of this image, its checksum and the state's hash made right where it is one.
+/// A keyframe of this image, with a valid checksum. If the image is a valid state, the keyframe has that state's hash.
 inline Buffer keyframe_of(std::uint64_t time, Buffer image, State& scratch) {
     seal_state(image);
     const bool is_one = scratch.restore_portable(image).ok();
@@ -115,7 +117,7 @@ inline State state_of(const Recording& recording, std::size_t index) {
     return state;
 }
 
-/// Changes a chunk's payload, or what is packed in it.
+/// Changes a chunk's payload or its packed content.
 inline void edit_chunk(Input& in, lockstone::test::Chunk& chunk, State& scratch) {
     const bool inside = in.take_u8() % 2 != 0;
     const std::optional<PackedAt> at = packed_at(chunk);
@@ -126,7 +128,7 @@ inline void edit_chunk(Input& in, lockstone::test::Chunk& chunk, State& scratch)
     splice(in, *contents);
     const auto time = base::load_little_endian<std::uint64_t>(chunk.payload.data());
     if (chunk.type == replay::chunk_keyframe && contents->size() >= 8 &&
-        (*contents)[0] == std::byte{'L'}) { // the first: no difference to another
+        (*contents)[0] == std::byte{'L'}) { // a whole state: no difference to another one
         chunk.payload = keyframe_of(time, std::move(*contents), scratch);
         return;
     }
@@ -136,7 +138,7 @@ inline void edit_chunk(Input& in, lockstone::test::Chunk& chunk, State& scratch)
 }
 
 struct RecordingInput {
-    const Game* game; ///< null where commands are recorded
+    const Game* game; ///< null if the recording holds commands
     Buffer file;
 };
 
@@ -171,15 +173,15 @@ inline RecordingInput read_recording_input(std::span<const std::byte> data) {
     return out;
 }
 
-// ---- what must hold ----------------------------------------------------------------------------------------------
+// ---- rules -------------------------------------------------------------------------------------------------------
 
-/// How far an input came.
+/// How far the checks came with an input.
 struct RecordingOutcome {
     bool was_read = false, was_opened = false;
-    std::uint64_t ticks = 0; ///< that were played
+    std::uint64_t ticks = 0; ///< ticks played
 };
 
-/// What reads and what plays, unless a test plants others.
+/// Reads and plays recordings. A test may use others to plant a fault.
 struct RecordingReader {
     Result<Recording> operator()(const Buffer& file, OnDamage on_damage) const {
         return Recording::from_bytes(file, "fuzz.lsr", on_damage);
@@ -193,7 +195,7 @@ inline bool says_why(const std::string& sentence) {
     return sentence.starts_with("fuzz.lsr: ") && sentence.size() > 20;
 }
 
-/// All that can be read without playing.
+/// Reads all data that can be read without playing.
 inline std::string check_contents(const Recording& r) {
     for (std::uint64_t t = r.start_tick(); t <= r.end_tick(); ++t) (void)r.hash_at(t);
     for (std::size_t k = 0; k < r.keyframes().size(); ++k)
@@ -211,7 +213,7 @@ inline std::string check_contents(const Recording& r) {
     return {};
 }
 
-/// Small enough to be played in a few milliseconds.
+/// Returns whether the recording plays in a few milliseconds.
 inline bool is_small(const Recording& r) {
     const WorldDef& d = r.world_def();
     std::uint64_t rows = 0, game_bytes = 0;
@@ -223,7 +225,7 @@ inline bool is_small(const Recording& r) {
     return rows <= 2000 && game_bytes <= 1u << 20 && r.tick_count() <= 64;
 }
 
-/// Hashes after each of the first ticks, up to the first that cannot be run.
+/// Hashes after each of the first ticks, up to the first tick that fails.
 template <class Stepper>
 std::vector<std::uint64_t> hashes_of(Player& player, Stepper&& step, std::string& complaint) {
     constexpr std::size_t ticks_max = 8;
@@ -238,7 +240,8 @@ std::vector<std::uint64_t> hashes_of(Player& player, Stepper&& step, std::string
     return hashes;
 }
 
-/// Played from its start again it must be the same; what is verified as good must be what is played.
+/// Plays the recording twice from its start, with equal hashes. A recording that verify() calls good must play as
+/// recorded.
 template <class Stepper>
 std::string check_play(const Recording& r, const Game* game, RecordingOutcome& outcome, Stepper&& step) {
     Result<Player> player = Player::open(r, game);
@@ -262,7 +265,7 @@ std::string check_play(const Recording& r, const Game* game, RecordingOutcome& o
     return complaint;
 }
 
-/// What reading or playing did wrong, or nothing.
+/// Returns an error sentence about reading or playing, or an empty string.
 template <class Reader = RecordingReader, class Stepper = RecordingStepper>
 std::string check_recording(const RecordingInput& input, RecordingOutcome& outcome, Reader&& read = {},
                             Stepper&& step = {}) {

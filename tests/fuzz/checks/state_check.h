@@ -1,11 +1,12 @@
-// What must hold for any bytes that a world is restored from, an image or a delta; for the fuzzer and for the tests that
-// replay it.
+// The rules for arbitrary bytes, an image or a delta, from which a world is restored. The fuzzer and the tests that
+// replay its inputs use them.
 //
-// Byte 0 of an input: bits 0-1 the world (modulo 3), bit 2 a delta in place of an image, bits 3-4 what the rest is:
+// Byte 0 of an input: bits 0-1 the world (modulo 3), bit 2 a delta instead of an image, bits 3-4 the meaning of the
+// rest:
 //   0     the image or delta itself
-//   1     changes of a good one, each a `splice`
-//   2, 3  changes of a good state's rows and row counts, saved again: see `edit_rows`
-// Checksums, sizes and hashes are made right afterwards, as someone who means harm would.
+//   1     changes of a valid one, each a `splice`
+//   2, 3  changes of a valid state's rows and row counts, saved again: see `edit_rows`
+// Checksums, sizes and hashes are made valid afterwards, as an attacker would do.
 #pragma once
 
 #include "fuzz/checks/state_sessions.h"
@@ -18,12 +19,12 @@
 namespace fuzz {
 
 struct StateInput {
-    std::size_t base; ///< which
+    std::size_t base; ///< index of the base
     bool is_delta;
     Buffer bytes;
 };
 
-/// The size field and the checksum that an image or a delta should have.
+/// Writes the valid size field and checksum of an image or a delta.
 inline void seal_state(Buffer& bytes) {
     constexpr std::size_t size_at = 12;
     if (bytes.size() < size_at + 8 + envelope_checksum_bytes) return;
@@ -32,7 +33,8 @@ inline void seal_state(Buffer& bytes) {
     base::store_little_endian(base::xxh3(std::span<const std::byte>(bytes).first(end)), bytes.data() + end);
 }
 
-/// Also the schema, the base's hash and the result's, which only applying it tells: the refusal names it last.
+/// Also writes the schema, the base's hash and the result's hash. Only applying the delta computes the last one: the
+/// error names it last.
 inline void seal_delta(Buffer& bytes, const State& from) {
     constexpr std::size_t schema_at = 20, base_at = 28, result_at = 36;
     if (bytes.size() < result_at + 8 + envelope_checksum_bytes) return;
@@ -51,8 +53,8 @@ inline void seal_delta(Buffer& bytes, const State& from) {
     seal_state(bytes);
 }
 
-/// Each change: u8 column; u8 row; u16 field; u8 how: 0 bytes of its size follow, 1 add an i8, 2 a number of the edges, 3
-/// that of another row (u8). A column from 250 on: u8 table, u8 rows that it has from now on.
+/// Each change: u8 column; u8 row; u16 field; u8 how: 0 bytes of its size follow, 1 adds an i8, 2 a number of `edges`,
+/// 3 the value in another row (u8). A column from 250 on: u8 table, u8 its new number of rows.
 inline void edit_rows(Input& in, State& state) {
     static constexpr std::uint64_t edges[] = {0,
                                               1,
@@ -70,7 +72,7 @@ inline void edit_rows(Input& in, State& state) {
                                               ~1ull,
                                               ~std::uint64_t{},
                                               ~0ull >> 1};
-    // A table that grows gives the state another layout.
+    // A table that grows replaces the layout of the state.
     const std::shared_ptr<const StateLayout> kept = state.layout_shared();
     const StateLayout& layout = *kept;
     while (!in.empty()) {
@@ -88,7 +90,7 @@ inline void edit_rows(Input& in, State& state) {
         const std::size_t rows = bytes.size() / column.row_size;
         if (rows == 0) continue;
         std::byte* const at = bytes.data() + row % rows * column.row_size + leaf.offset;
-        std::uint64_t value = 0; // its low bytes: hosts that fuzz are little-endian
+        std::uint64_t value = 0; // in the low bytes: the fuzzer's hosts are little-endian
         std::memcpy(&value, at, leaf.size);
         if (how == 0) std::ranges::copy(in.take_bytes(leaf.size), reinterpret_cast<std::byte*>(&value));
         if (how == 1) value += static_cast<std::uint64_t>(std::int64_t{static_cast<std::int8_t>(more)});
@@ -127,7 +129,7 @@ inline StateInput read_state_input(std::span<const std::byte> data) {
     return out;
 }
 
-/// The loader that is asked, unless a test plants another one.
+/// The loader. A test may use another one to plant a fault.
 struct WorldLoader {
     Status operator()(World& world, const StateInput& input) const {
         return input.is_delta ? world.restore_delta(base_of(input.base).image, input.bytes)
@@ -135,7 +137,7 @@ struct WorldLoader {
     }
 };
 
-/// All that a game may ask of a world.
+/// Calls the queries of a world that a game may call.
 inline void ask_everything(const World& w) {
     (void)w.kinetic_energy();
     for (std::uint32_t i = 0; i < w.joint_count(); ++i) (void)w.joint_state(w.joint_at(i));
@@ -149,8 +151,8 @@ inline void ask_everything(const World& w) {
     (void)State::diff(w.state(), base_of(0).now.state(), 4);
 }
 
-/// Worlds of a base that are used again for every input, since to make one takes longer than all else. What an input
-/// leaves in their scratch memory no other may see.
+/// Worlds of a base, made once because that takes longer than all checks. Data that an input leaves in their scratch
+/// memory must not affect a later input.
 struct Subjects {
     World w, twin, again;
     explicit Subjects(const Base& from)
@@ -162,8 +164,8 @@ inline Subjects& subjects_of(std::size_t base) {
     return all[base];
 }
 
-/// Two copies of a world that was taken in: whatever else lies in their memory, they tick alike, and what they come to is
-/// a state that is taken in again.
+/// Checks two copies of a world that was accepted: they tick to equal states with different data in their scratch
+/// memory, and the result is accepted when it is loaded again.
 inline std::string check_ticks(Subjects& subjects) {
     auto& [w, twin, again] = subjects;
     using Leftover = testing::Leftover;
@@ -184,7 +186,7 @@ inline std::string check_ticks(Subjects& subjects) {
     return w.body_count() == 0 ? "" : "bodies are left when all are destroyed";
 }
 
-/// What loading did wrong, or nothing; `loaded` tells whether the world took the bytes.
+/// Returns an error sentence about loading, or an empty string. Sets `loaded` if the world accepted the bytes.
 template <class Loader = WorldLoader>
 std::string check_state_load(const StateInput& input, bool& loaded, Loader&& load = {}) {
     const Base& from = base_of(input.base);

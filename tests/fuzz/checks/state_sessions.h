@@ -1,5 +1,5 @@
-// A state that a world took, driven by sessions: rolled back, and sent to a watcher and to a machine that joins. Sessions make promises about
-// events and hashes that a world alone does not make.
+// A state that a world accepted, played by sessions: with rollback, and sent to a spectator and to a joining machine.
+// Sessions guarantee properties of events and hashes that a world alone does not.
 #pragma once
 
 #include "fuzz/state_worlds.h"
@@ -9,7 +9,7 @@
 
 namespace fuzz {
 
-/// Two players, and rules that only tick.
+/// Rules for two players that only tick the world.
 class Ticking final : public Game {
   public:
     explicit Ticking(std::size_t base_number) : number(base_number) {}
@@ -27,14 +27,14 @@ class Ticking final : public Game {
     std::size_t number;
 };
 
-/// The desync that a session found, or nothing.
+/// Returns a sentence if the session found a desync, else an empty string.
 inline std::string desync_of(Session& session) {
     while (const std::optional<Notice> notice = session.next_notice())
         if (std::holds_alternative<Desync>(*notice)) return "a session finds a desync";
     return {};
 }
 
-/// Each of 6 ticks runs again two ticks later.
+/// Plays ticks, and runs each of them again two ticks later.
 inline std::string play_rolled_back(World& w, const Game& game) {
     WorldSimulation simulation(w, game);
     const std::unique_ptr<Session> session =
@@ -48,7 +48,8 @@ inline std::string play_rolled_back(World& w, const Game& game) {
     return desync_of(*session);
 }
 
-/// A host that is in the state offers it to a watcher, or to a machine that joins; both go on from there. `reached`: the next tick of the guest.
+/// A host with this state offers it to a spectator or to a joining machine, and both continue. Sets `reached` to the
+/// guest's next tick.
 inline std::string play_from_host(const World& at, const Game& game, bool joins, std::uint64_t& reached) {
     struct Offered final : StateInspector {
         explicit Offered(World world) : w(std::move(world)) {}
@@ -84,7 +85,8 @@ inline std::string play_from_host(const World& at, const Game& game, bool joins,
     return desync_of(*session);
 }
 
-/// Plays the state of `w` in sessions; `chosen` decides whether a watcher or a joining machine receives it too. Returns the fault, or an empty text.
+/// Plays the state of `w` in sessions. `chosen` decides whether a spectator or a joining machine receives it too.
+/// Returns an error sentence or an empty string.
 inline std::string play_in_sessions(const World& w, World& scratch, std::size_t base, std::uint64_t chosen) {
     const Ticking game(base);
     if (const Status taken = scratch.restore_portable(w.save_portable()); !taken)

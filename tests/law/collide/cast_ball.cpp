@@ -1,4 +1,4 @@
-// Balls that are cast at triangles again and again: what is kept from cast to cast changes no hit.
+// Balls that are cast at triangles repeatedly: the triangles that a cast caches change no later hit.
 #include "collide/query/cast_line.h"
 #include "oracle/mesh_scenes.h"
 
@@ -15,7 +15,8 @@ bool same(const collide::CastHit& a, const collide::CastHit& b) {
            a.normal == b.normal && a.feature == b.feature;
 }
 
-/// A ball that wanders over a ground and is cast down a metre from each place, with what it kept and without.
+/// A ball that wanders over a ground. It is cast down a metre from each place, with the cache of earlier casts and
+/// without.
 struct Wanderer {
     const Owned& ground;
     collide::NearFaces near = {};
@@ -37,7 +38,7 @@ struct Wanderer {
     }
 };
 
-/// Around a place.
+/// Wanders around a place and checks that the casts hit and agree.
 void wander(const Owned& ground, std::uint64_t seed, double place = 0) {
     oracle::RandomReal random(seed);
     Wanderer w{ground};
@@ -59,7 +60,7 @@ TEST_CASE("a ball meets the same triangles whatever was kept of its last cast") 
     const auto rough = [](double x, double z) { return 0.3 * std::sin(2 * x) * std::cos(3 * z); };
     wander(mesh(grid(-8, -8, 1, 16, 16, 0, 0, flat)), 1);
     wander(mesh(grid(-8, -8, 1, 16, 16, 0.3, 2, rough)), 2);
-    wander(mesh(grid(-8, -8, 0.25, 64, 64, 0.3, 3, rough), true), 3); // more than are kept
+    wander(mesh(grid(-8, -8, 0.25, 64, 64, 0.3, 3, rough), true), 3); // more triangles than the cache holds
     const LengthVec3 scale{as_fixed<Length>(1.5), as_fixed<Length>(0.5), as_fixed<Length>(1.25)};
     wander(mesh(grid(-8, -8, 1, 16, 16, 0.3, 4, rough), false, scale), 4);
     wander(height_field(33, 33, 0.5, [&](double x, double z) { return rough(x / 2, z / 2); }), 5, 8);

@@ -1,4 +1,5 @@
-// Bounds contain the shape and its margin, and little more; each instruction set makes the same of many at once.
+// Bounds contain the shape and its margin, and are only a little larger. Every instruction set computes the same bounds
+// for many shapes at once.
 #include "collide/bounds.h"
 #include "oracle/double_shapes.h"
 #include "solve/kernels/kernels.h"
@@ -12,7 +13,8 @@ using oracle::D3;
 
 namespace {
 
-/// Empty when the bounds hold the shape grown by `margin`, and are at most two steps and 2 um wider.
+/// Returns an error sentence unless the bounds contain the shape grown by `margin` and are at most two steps and 2 um
+/// wider.
 std::string check_bounds(const Bounds& bounds, const Geometry& g, const Transform& pose, double margin,
                          int shift) {
     oracle::Placed s = oracle::place_a(g);
@@ -66,7 +68,7 @@ TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is r
 
 namespace {
 
-/// One shape as it goes into a kernel, and the axes and bounds that come out.
+/// The input of a kernel for one shape, and the axes and bounds that it returns.
 struct Entry {
     Geometry geometry;
     Transform pose;
@@ -86,7 +88,7 @@ void put(RoundBoxes& boxes, std::uint32_t at, Entry& e) {
     boxes.margin[at] = e.margin.raw + bounds_guard, boxes.radius[at] = e.geometry.radius.raw;
 }
 
-/// Within 16 km, but for every seventh; one rotation in thirteen is none.
+/// A random entry. Six of seven are within 16 km. One of thirteen has a rotation that is not a unit quaternion.
 Entry random_entry(oracle::RandomReal& random, int i) {
     Entry e{};
     const double far = i % 7 == 0 ? 60000 : 16300;

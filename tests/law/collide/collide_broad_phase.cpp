@@ -1,4 +1,4 @@
-// The broad phase finds exactly the pairs that comparing everything with everything finds, whatever happened before.
+// The broad phase finds exactly the pairs that a comparison of all boxes finds, after any history.
 #include "collide/broad/broad_phase.h"
 #include "collide/swept_box.h"
 #include "oracle/double_shapes.h"
@@ -60,7 +60,7 @@ struct Crowd {
     void set(BroadPhase& phase, std::uint32_t i) const {
         const Member& m = members[i];
         const auto way = [](double v) { return oracle::as_fixed<Bound>(v); };
-        const bool is_known = i % 2 == 0; // where it goes
+        const bool is_known = i % 2 == 0; // this member's motion is passed to set()
         if (!m.present)
             phase.remove(i);
         else if (is_known)
@@ -80,7 +80,7 @@ struct Crowd {
     }
 };
 
-/// Empty when the pairs are the brute-force ones in order, else the first difference.
+/// Returns an empty string if the pairs are the brute-force ones in order, else the first difference.
 std::string check_pairs(const std::vector<ProxyPair>& found, const std::vector<ProxyPair>& expected) {
     for (std::size_t i = 0; i < std::max(found.size(), expected.size()); ++i) {
         const auto name = [](const ProxyPair& p) { return std::to_string(p.a) + "-" + std::to_string(p.b); };
@@ -129,7 +129,7 @@ TEST_CASE("three histories of one moving crowd yield the brute-force pairs in ev
             }
             crowd.set(restless, i);
         }
-        if (frame % 3 != 1) restless.find_pairs(pairs); // twice, once or not at all in a frame
+        if (frame % 3 != 1) restless.find_pairs(pairs); // find_pairs() runs twice in some frames
         restless.find_pairs(pairs);
         REQUIRE(check_pairs(pairs, expected) == "");
     }
@@ -153,7 +153,7 @@ TEST_CASE("a tree that drops a pair, adds one or forgets the order is reported")
     wrong = expected;
     std::swap(wrong[3], wrong[4]);
     CHECK(check_pairs(wrong, expected) != "");
-    // A broad phase that was not told about one move is wrong, and the check sees that too.
+    // A broad phase that missed one move returns wrong pairs, and the check detects that.
     BroadPhase stale(100);
     for (std::uint32_t i = 0; i < 100; ++i) crowd.set(stale, i);
     for (int frame = 0; frame < 20; ++frame) crowd.step();
@@ -177,7 +177,7 @@ TEST_CASE("of a crowd the first pairs are found, whatever was found or given up 
         crowd.step();
         for (std::uint32_t i = 0; i < count; ++i) crowd.set(kept, i);
         std::vector<ProxyPair> expected = crowd.brute_force();
-        // As many as there are, or a fraction of them, which is too few leaves in any case.
+        // All pairs, or fewer than there are, so that the broad phase must give up.
         const bool all = random.below(3) == 0;
         const std::size_t most = all ? SIZE_MAX : random.below(static_cast<std::uint32_t>(expected.size()));
         const bool found = kept.find_pairs(pairs, most);
@@ -259,7 +259,7 @@ TEST_CASE("a box finds the sorted proxies that it overlaps or, on short and long
             more_than_begun += begun != expected ? 1 : 0;
         }
     }
-    CHECK(more_than_begun > 100); // planted: where the way begins is not enough
+    CHECK(more_than_begun > 100); // planted: the box at the start of the way misses some
 }
 
 TEST_CASE("a crowd in steady motion allocates nothing") {

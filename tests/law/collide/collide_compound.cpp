@@ -1,4 +1,5 @@
-// Contacts of compounds are those of their parts, in the right frame, merged. Rays meet them as they meet their parts.
+// Contacts of compounds are the merged contacts of their parts, in the right frame. Rays hit a compound where they hit
+// its parts.
 #include "collide/query/cast.h"
 #include "lockstone/math/math.h"
 #include "oracle/mesh_scenes.h"
@@ -56,7 +57,7 @@ D3 turned(Quat q, D3 v) {
     return as_double(r.x) * v.x + as_double(r.y) * v.y + as_double(r.z) * v.z;
 }
 
-/// Whether every contact of `some` is among `all`, up to roundings.
+/// Returns whether each contact of `some` is one of `all`, up to rounding.
 bool are_among(const std::vector<Contact>& some, const std::vector<Contact>& all, double tolerance) {
     for (const Contact& c : some) {
         bool found = false;
@@ -94,7 +95,7 @@ const std::vector<Part>& table() {
     return parts;
 }
 
-/// The contacts of each part of B with A by itself.
+/// The contacts of each part of B with A, computed alone.
 std::vector<Contact> part_by_part(const shapes::Solid& a, const std::vector<Part>& parts, D3 at,
                                   Quat rotation) {
     std::vector<Contact> out;
@@ -110,7 +111,7 @@ std::vector<Contact> part_by_part(const shapes::Solid& a, const std::vector<Part
     return out;
 }
 
-/// How many of `poses` random places give contacts that are not those of the parts; `shift` plants a fault.
+/// Counts the random places where the contacts differ from those of the parts. `shift` plants a fault.
 int wrong_places(const shapes::Solid& a, double height, std::uint64_t seed, double shift, int& hits) {
     const Owned b = compound(table());
     oracle::RandomReal random(seed);
@@ -126,7 +127,7 @@ int wrong_places(const shapes::Solid& a, double height, std::uint64_t seed, doub
         bool good = merged.empty() == parts.empty() && features_are_unique(m);
         if (good && !merged.empty()) {
             good = std::abs(deepest(merged) - deepest(parts)) < 1.3e-4; // the noise of the choice of points
-            // Of a mesh more points are merged than those that the parts by themselves were left with.
+            // A mesh gives more points to merge than the parts alone keep.
             for (const Contact& c : a.mesh != nullptr ? std::vector<Contact>{} : merged) {
                 bool found = false;
                 for (const Contact& d : parts)
@@ -189,7 +190,7 @@ TEST_CASE("a compound of one box is that box") {
                                             : capsule(0.2_r, 0.3_r);
         const Quat q = random.rotation(0, 3);
         const D3 at = place + random.vector(0.2, 1.0);
-        // The same, seen from the box itself.
+        // This scene in the frame of the box.
         const D3 seen = turned(conjugate(part_turn), at - place);
         const std::vector<Contact> merged =
             contacts_of(contacts(single.solid, primitive(other), pose_at(at, q)), at);
@@ -213,17 +214,17 @@ TEST_CASE("a compound of one box is that box") {
 TEST_CASE("two compounds meet as their parts do, whichever kind is the greater") {
     const Owned a = compound({{sphere(0.3_r), {0.5, 0.1, 0}, Quat::identity()},
                               {box(0.2_r, 0.2_r, 0.2_r), {-0.6, 0, 0}, quat_of({0, 1, 0}, 0.4)}});
-    // B's box lies over A's ball, 1 mm deep, and B's ball above A's box, 2 mm apart; B is turned by a quarter.
+    // B's box lies over A's ball, 1 mm deep, and B's ball over A's box, 2 mm apart; B is turned by a quarter.
     const double quarter = 1.5707963267948966;
     const Quat q = quat_of({0, 1, 0}, quarter);
     const Owned b = compound({{box(0.25_r, 0.2_r, 0.25_r), {0, 0, 0.5}, Quat::identity()},
                               {sphere(0.1_r), {0, -0.297, -0.6}, Quat::identity()}});
-    // A quarter turn about y leads (0, 0, 0.5) to (0.5, 0, 0).
+    // A quarter turn about y moves (0, 0, 0.5) to (0.5, 0, 0).
     const D3 at{0, 0.599, 0};
     const collide::Manifolds m = contacts(a.solid, b.solid, pose_at(at, q));
     const std::vector<Contact> all = contacts_of(m, at);
     REQUIRE(all.size() == 2);
-    CHECK(m.count == 1); // both normals are straight up
+    CHECK(m.count == 1); // both normals point straight up
     CHECK(features_are_unique(m));
     const auto is_at = [&](D3 place, double gap) {
         return std::any_of(all.begin(), all.end(), [&](const Contact& c) {
@@ -250,7 +251,7 @@ TEST_CASE("a ray meets of a compound what it meets first of its parts, in any nu
         int hits = 0, differ = 0, differ_planted = 0;
         const int rays = test::is_long_run() ? 20'000 : 400;
         for (int i = 0; i < rays; ++i) {
-            // Half of them past a part's silhouette, where the bounds of parts and the parts themselves end.
+            // Half of the rays pass the part's silhouette, near the end of its bounds.
             const D3 from = random.vector(0, 8);
             const D3 at =
                 parts[static_cast<std::size_t>(i) % count].at + random.vector(0, i % 2 == 0 ? 0.2 : 0.7);

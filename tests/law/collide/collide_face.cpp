@@ -1,5 +1,5 @@
-// A face that is kept from the last tick parts two shapes as well as any direction does, and the furthest corner of a hull is the
-// same by every instruction set.
+// A face that is cached from the last tick separates two shapes as well as any direction does, and every instruction
+// set finds the same furthest corner of a hull.
 #include "collide/convex/convex.h"
 #include "lockstone/math/math.h"
 #include "oracle/double_shapes.h"
@@ -24,7 +24,7 @@ shapes::Solid hull_of(AssetLibrary& library, const std::vector<LengthVec3>& poin
     return {library.geometry(id).value(), library.find(id)->hull.get()};
 }
 
-/// Corners on a ball [m]; of a block, each corner of which is as far along some directions as another.
+/// A hull with corners on a ball [m]; block() is a cube, which has several furthest corners along some directions.
 shapes::Solid stone(AssetLibrary& library, oracle::RandomReal& random, std::uint32_t corners, double size) {
     std::vector<LengthVec3> points;
     for (std::uint32_t i = 0; i < corners; ++i) {
@@ -82,7 +82,7 @@ TEST_CASE("every instruction set finds the same corner of a hull, and how far it
                 const D3 d = random.direction();
                 row[0] = as_fixed<Unit>(d.x).raw, row[1] = as_fixed<Unit>(d.y).raw,
                 row[2] =
-                    random.below(3) == 0 ? 0 : as_fixed<Unit>(d.z).raw; // of a block two corners are furthest
+                    random.below(3) == 0 ? 0 : as_fixed<Unit>(d.z).raw; // two corners of a block are furthest
                 ties += row[2] == 0;
             }
             for (const shapes::SupportKernel* kernel : all) {
@@ -109,14 +109,14 @@ TEST_CASE("the last of two equally far corners would be noticed") {
     std::vector<LengthVec3> reversed(cube.hull->vertices.rbegin(), cube.hull->vertices.rend());
     shapes::Hull turned = *cube.hull;
     turned.vertices = reversed;
-    const std::uint32_t last = 7 - furthest_of(turned, up); // planted: ties go to the last
+    const std::uint32_t last = 7 - furthest_of(turned, up); // planted: the last of equal corners
     for (const shapes::SupportKernel* kernel : kernels()) CHECK(furthest_by(*kernel, *cube.hull, up) != last);
 }
 
 namespace {
 
-/// Pairs that touched by a face, or by edges, moved by up to 3 cm and turned by up to a twentieth: is what is kept as good as what is
-/// found?
+/// Pairs that touched by a face, or by edges, then moved by up to 3 cm and turned by up to a twentieth. Compares the
+/// cached face or edges with the result of a new search.
 class KeptManifolds {
   public:
     KeptManifolds() {
@@ -150,13 +150,13 @@ class KeptManifolds {
         if (points == 0 || manifolds.count == 0) return;
         const std::int64_t best = separation(a, b, pose, found);
         worse += separation(a, b, pose, kept) < best - allowed(a, b);
-        // Planted: the last face without a look at what it has become.
+        // Planted: the last normal without an update for the new pose.
         worse_planted += separation(a, b, pose, before) < best - allowed(a, b);
     }
 
     int looked_at = 0, changed = 0, parted = 0, unlike = 0, worse = 0, worse_planted = 0;
-    int alike = 0, same_bits = 0; ///< single points of the same two edges; and by the same way
-    std::int64_t farthest_24 = 0; ///< these, from each other
+    int alike = 0, same_bits = 0; ///< single points of the same two edges; those with equal bits
+    std::int64_t farthest_24 = 0; ///< the largest distance between such points
 
   private:
     void compare_points(const Manifold& searched, const Manifold& kept) {
@@ -167,7 +167,8 @@ class KeptManifolds {
         const Long3 apart = raw(searched.points[0].position) - raw(kept.points[0].position);
         for (int i = 0; i < 3; ++i) farthest_24 = std::max(farthest_24, absolute(apart[i]));
     }
-    /// What `collide` prefers faces by, twice, and what the plane of a hull's face may lie outside of it.
+    /// Twice the bias with which `collide` prefers faces, and the distance that a hull's corners may have from their
+    /// face's plane.
     static std::int64_t allowed(const shapes::Solid& a, const shapes::Solid& b) {
         const auto tolerance = [](const shapes::Solid& s) {
             return s.hull == nullptr ? 0 : std::int64_t{face_tolerance(*s.hull, Length::max()).raw} << 6;
@@ -184,7 +185,7 @@ class KeptManifolds {
         collide::collide(a, b, pose, decimal<Length>("0.02"), hints, scratch, manifolds);
         return manifolds.items[0].normal;
     }
-    /// From 4 cm deep to 2 cm apart, along a direction between the two.
+    /// Overlaps of up to 4 cm to gaps of up to 2 cm, along a random direction.
     RelativePose touching_pose(const shapes::Solid& a, const shapes::Solid& b) {
         const D3 way = random.direction();
         rotation = random.rotation(0, 3);
@@ -230,7 +231,8 @@ TEST_CASE("a face that is kept parts two shapes as well as one that is searched 
     CHECK(pairs.worse_planted > 500);
 }
 
-// The points of crossing edges: rounded lengths of 24 fraction bits, three of them a coordinate, at an angle whose sine is at least a twelfth.
+// The points of crossing edges come from rounded lengths of 24 fraction bits, three per coordinate, at an angle whose
+// sine is at least a twelfth.
 TEST_CASE("crossing edges that are kept part two shapes as well as a search does, at the same point") {
     KeptManifolds pairs;
     for (int i = 0; i < 60000; ++i) pairs.look(false);

@@ -1,5 +1,5 @@
-// Closest points and least moves of two convex cores: proved by judges in double, on hulls found by brute force,
-// needles, plates, triangles and smooth cores; and the judges notice planted faults.
+// Closest points and shortest separating moves of two convex cores, proved by judges in double precision, on hulls
+// found by brute force, needles, plates, triangles and smooth cores. The judges detect planted faults.
 #include "support/effort.h"
 
 #include "oracle/brute_hull.h"
@@ -14,7 +14,7 @@ using collide::Convex;
 
 namespace {
 
-/// A core that is not a solid's: a triangle, or a hull of the test's own.
+/// A core that no solid has: a triangle, or a hull that the test makes.
 struct Piece {
     Convex convex;
     DoubleCore reference;
@@ -102,7 +102,7 @@ TEST_CASE("polytopes of every quality have proved closest points and least moves
         const CoreAnswer answer = answer_of(a.convex, b.convex);
         overlaps += answer.overlap ? 1 : 0;
         INFO("pair ", i);
-        // A triangle's own plane has two sides and no inside: its points are judged by its edges' planes too.
+        // A triangle's plane has two sides and no inside, so the planes of its edges also count.
         if (a.reference.faces.size() == 2 || b.reference.faces.size() == 2) {
             const double along = separation_along(a.reference, b.reference, answer.normal);
             CHECK(std::abs(along - answer.distance) < 2e-8);
@@ -119,8 +119,8 @@ TEST_CASE("polytopes of every quality have proved closest points and least moves
 
 namespace {
 
-/// Whether a gap of a triangle and a point is proved: the plane through the nearest point parts the two by the distance, and the
-/// nearest point is on the triangle.
+/// Returns whether a gap of a triangle and a point is proved: the plane through the nearest point separates the two by
+/// the distance, and the nearest point is on the triangle.
 bool is_proved(const std::vector<D3>& corners, D3 point, const collide::Gap& gap) {
     const D3 n = from_bits(gap.normal_30, 30), on = from_bits(gap.on_a_30, 30);
     const double distance = std::ldexp(static_cast<double>(gap.distance_30), -30);
@@ -159,7 +159,7 @@ TEST_CASE("a triangle and a point have a proved gap, and one to another place of
         const collide::Gap back = collide::closest_points(point, triangle.convex);
         CHECK(std::abs(back.distance_30 - gap.distance_30) <= 8);
         CHECK(norm(from_bits(back.on_b_30, 30) - from_bits(gap.on_a_30, 30)) < 1e-7);
-        // Planted: the gap to a place that is not the nearest.
+        // Planted: the gap to a point that is not the nearest.
         const D3 other = corners[static_cast<std::size_t>(i % 3)];
         if (norm(at - other) < norm(at - from_bits(gap.on_a_30, 30)) + 1e-6) continue;
         const D3 way = at - other;
@@ -269,7 +269,7 @@ TEST_CASE("the judges of closest points and depths notice planted faults" *
             ++f.planted;
             f.noticed += judge(a.reference, b.reference, bad, random, 2).empty() ? 0 : 1;
         }
-        shapes::Hull lost = *a.hull; // and a vertex lost: the other shape is then nearer than it should be
+        shapes::Hull lost = *a.hull; // a lost vertex: the distance is then too large
         lost.vertices[0] = lost.vertices[1];
         Convex damaged = a.convex;
         damaged.hull = &lost;

@@ -1,4 +1,4 @@
-// A hint of what parts two shapes changes how soon they are found apart, never what is found.
+// A hint of a separating direction makes the search faster and never changes its result.
 #include "collide/convex/convex.h"
 #include "lockstone/math/math.h"
 #include "oracle/double_shapes.h"
@@ -67,7 +67,7 @@ TEST_CASE("manifolds are the same with any hint") {
         ++apart;
         collide::collide(a, b, pose, margin, {plain.apart, {}, 0}, scratch, again);
         REQUIRE(same(plain, again));
-        // What was found to part them is taken at its word, at once.
+        // A direction that separated them is accepted at once.
         if (plain.apart == UnitVec3{}) continue;
         CHECK(again.apart != UnitVec3{});
         ++parted;
@@ -79,8 +79,8 @@ TEST_CASE("manifolds are the same with any hint") {
 
 namespace {
 
-/// Pairs of spheres, capsules, boxes and hulls of 4 cm to 10 m, which a direction may part: the one that parted them before they moved
-/// by up to 4 cm and turned by up to a hundredth.
+/// Pairs of spheres, capsules, boxes and hulls of 4 cm to 10 m, with the direction that separated them before they
+/// moved by up to 4 cm and turned by up to a hundredth.
 struct PartedPairs {
     oracle::RandomReal random{13};
     AssetLibrary library;
@@ -111,7 +111,7 @@ struct PartedPairs {
             return box(length(), length(), length());
         }
     }
-    /// `margin` asked of the direction; points are asked for within `reach`.
+    /// `margin`: the gap that the direction must show. `reach`: collide() returns points up to this gap.
     void look(Length margin, Length reach) {
         shapes::Solid a = shape(), b = shape();
         if (a.geometry.kind < b.geometry.kind) std::swap(a, b);
@@ -191,7 +191,7 @@ TEST_CASE("what no direction is known to part is not parted") {
     CHECK(parts(ball, ball, 64_r, up));
     CHECK_FALSE(parts(ball, ball, 1_r, UnitVec3{}));
     CHECK_FALSE(parts(ball, ball, 1_r, -up));
-    CHECK_FALSE(parts(ball, ball, 65_r, up)); // farther than its numbers reach
+    CHECK_FALSE(parts(ball, ball, 65_r, up)); // beyond the range of the numbers
     CHECK(parts(stone, ball, 1_r, up));
     CHECK(parts(ball, stone, 1_r, up));
     CHECK_FALSE(parts(stone, ball, 0.19_r, up));
@@ -203,7 +203,8 @@ TEST_CASE("what no direction is known to part is not parted") {
 }
 
 TEST_CASE("a hint does not part a ball from the box of 1240 m that it lies in") {
-    // The box reaches 1074 m along its diagonal. With 54 fraction bits 1024 m are a turn of 64 bits, so it seemed to reach 50 m.
+    // The box reaches 1074 m along its diagonal. With 54 fraction bits 1024 m wrap around 64 bits, so the box would
+    // seem to reach 50 m.
     const shapes::Solid ball{sphere(1_r)}, cliff{scaled(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
     const Unit third = decimal<Unit>("0.577350269");
     const auto points_at = [&](double metres) {
@@ -229,7 +230,7 @@ TEST_CASE("a hint that did settle the question by itself would be noticed") {
     int wrong = 0;
     for (int i = 0; i < 100; ++i) {
         const D3 d = random.direction();
-        // Planted: what the hint says when its sign is not looked at.
+        // Planted: a hint whose sign is ignored.
         const std::int64_t along = separation_along_30(
             a, b, {as_fixed<Unit>(d.x).raw, as_fixed<Unit>(d.y).raw, as_fixed<Unit>(d.z).raw});
         wrong += (along < 0 ? -along : along) > std::int64_t{1} << 28;

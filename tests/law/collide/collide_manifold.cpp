@@ -1,4 +1,4 @@
-// What a contact manifold must be, besides accurate: symmetric, complete, stable and defined everywhere.
+// Properties of contact manifolds besides accuracy: they are symmetric, complete, stable and defined everywhere.
 #include "lockstone/math/math.h"
 #include "oracle/double_shapes.h"
 
@@ -28,12 +28,12 @@ double deepest(const Manifold& m) {
     return d;
 }
 
-/// The same pair seen from B.
+/// The relative pose of the pair in B's frame.
 RelativePose seen_from_b(const RelativePose& p) {
     return {transpose(p.rotation), mul_transposed<Coordinate>(p.rotation, -p.position)};
 }
 
-/// Empty when m and its twin computed from B agree: same depth, opposite normals.
+/// Returns an error sentence unless m and the manifold computed from B have equal depths and opposite normals.
 std::string check_symmetry(const RelativePose& pose, const Manifold& m, const Manifold& from_b,
                            double tolerance, double angle) {
     if ((m.count == 0) != (from_b.count == 0)) return "only one of them touches";
@@ -44,7 +44,8 @@ std::string check_symmetry(const RelativePose& pose, const Manifold& m, const Ma
     return {};
 }
 
-/// Empty when the points are the four corners of a face of half extent 0.5 m across y, each to within `tolerance` [m].
+/// Returns an error sentence unless there is a point within `tolerance` [m] of each corner of a face of half extent 0.5
+/// m across y.
 std::string check_corners(const Manifold& m, double tolerance) {
     for (const double x : {-0.5, 0.5})
         for (const double z : {-0.5, 0.5}) {
@@ -110,9 +111,9 @@ TEST_CASE("equal boxes that stand nearly flush on each other are held at their c
         const D3 at{random.uniform(-off, off), 0.9999, random.uniform(-off, off)};
         Manifold m = manifold_of(cube, cube, oracle::pose_of(turned, at));
         REQUIRE(m.count == 4);
-        const double tolerance = 2 * off + 2 * tilt + 1e-4; // what the boxes are off, and the slack
+        const double tolerance = 2 * off + 2 * tilt + 1e-4; // the boxes' offset, and the slack
         CHECK(check_corners(m, tolerance) == "");
-        // The twin: a point where two edges cross, an eighth of an edge from the corner.
+        // Planted: a point where two edges cross, an eighth of an edge from the corner.
         m.points[random.below(4)].position.x = oracle::as_fixed<Length>(0.375);
         planted += check_corners(m, tolerance) != "" ? 1 : 0;
     }
@@ -125,7 +126,7 @@ TEST_CASE("a tilted box meets the ground along its edge first") {
     const Manifold m = manifold_of(
         ground, cube, oracle::pose_of(oracle::quat_of({0, 0, 1}, tilt), {0, 0.5 + height - 0.001, 0}));
     REQUIRE(m.count == 4);
-    std::multiset<int> tenths; // of a millimetre
+    std::multiset<int> tenths; // in tenths of a millimetre
     for (const ManifoldPoint& p : m.points)
         tenths.insert(static_cast<int>(std::lround(as_double(p.separation) * 1e4)));
     CHECK(tenths == std::multiset<int>{-10, -10, 190, 190});
@@ -156,14 +157,14 @@ TEST_CASE("two shapes of a kind see the same contact from either side") {
         const bool boxes = kind == ShapeKind::box;
         const double cores =
             boxes ? 1 : oracle::core_distance(oracle::place_a(s.a), oracle::place_b(s.b, s.pose));
-        if (cores < 0.01) continue; // the direction between them is a few Length steps over their distance
+        if (cores < 0.01) continue; // few Length steps: their direction is not exact
         const double sin = norm(cross({0, 1, 0}, as_double(s.pose.rotation.y)));
-        // Cores closer to parallel than 1.2e-4 rad count as parallel: their normal is at right angles to A's only.
+        // Cores within 1.2e-4 rad of parallel count as parallel: their normal is perpendicular to A's core only.
         const double angle = 1e-6 + 2e-7 / cores + (kind == ShapeKind::capsule && sin < 1.3e-4 ? 3e-4 : 0);
         const std::string why = check_symmetry(s.pose, m, from_b, boxes ? 1e-6 : 2e-7, angle);
         touching += m.count > 0 ? 1 : 0;
         if (boxes && why != "" && m.count != 0 && from_b.count != 0) {
-            ++other_face; // A's face is preferred to B's when they are as good within the bias
+            ++other_face; // equal within the bias: A's face comes first
         } else if (kind == ShapeKind::capsule && m.count != from_b.count && m.count != 0 &&
                    from_b.count != 0) {
             ++line_or_point; // a core that crosses the line of contact at a small angle
@@ -180,7 +181,7 @@ TEST_CASE("two shapes of a kind see the same contact from either side") {
         CHECK(check_symmetry(s.pose, m, wrong, 1e-6, angle) != "");
     }
     CHECK(touching > 2000);
-    CHECK(other_face < touching / 10); // a third of the scenes are aligned, with ties by the dozen
+    CHECK(other_face < touching / 10); // a third of the scenes are aligned, with many ties
     CHECK(line_or_point < touching / 50);
 }
 

@@ -1,4 +1,5 @@
-// Shapes at rest on a floor: how many points hold them, where, and that small motions do not rename them.
+// Shapes at rest on a floor: the number and places of their contact points, and features that stay the same under small
+// motions.
 #include "lockstone/math/math.h"
 #include "oracle/double_shapes.h"
 
@@ -42,9 +43,9 @@ std::set<std::uint32_t> features(const Manifold& m) {
     return out;
 }
 
-/// Whether the foot of the centre lies well within the points: then they hold the shape up.
+/// Returns whether the points surround the foot of the centre at this distance, so that they hold the shape up.
 bool holds(const Manifold& m, double reach) {
-    for (int k = 0; k < 16; ++k) { // in every direction across, some point lies on the far side
+    for (int k = 0; k < 16; ++k) { // in each direction some point is beyond the centre
         const double angle = k * quarter / 4;
         double most = -1;
         for (std::uint32_t i = 0; i < m.count; ++i)
@@ -55,20 +56,21 @@ bool holds(const Manifold& m, double reach) {
     return true;
 }
 
-/// What lies on a floor, turned by `turn`, its origin `height` above it, held by `points`.
+/// A shape on a floor, rotated by `turn`, with its origin `height` above the floor and this number of contact points.
 struct Rest {
     const char* what;
     shapes::Solid solid;
     Quat turn;
     double height;
     std::uint32_t points;
-    double hold; ///< how far beyond the centre the points reach in every direction; 0 for a line or point
+    double hold; ///< how far the points reach beyond the centre in every direction; 0 for a line or a point
 };
 
 std::vector<Rest> all_rests(AssetLibrary& library) {
     const Quat lying = oracle::quat_of({0, 0, 1}, quarter), upright = Quat::identity();
     const Geometry can = cylinder(0.4_r, 0.25_r), hat = cone(0.4_r, 0.25_r);
-    // A cone on its side: its side's normal (2 h, r) / |.| looks down; the middle of its axis is r h / |.| above it.
+    // A cone on its side: the normal of its side, (2 h, r) / |.|, points down; the middle of its axis is r h / |.|
+    // above it.
     const double slant = std::hypot(0.5, 0.4), lean_angle = std::atan2(0.4, 0.5);
     return {{"a cylinder on its cap", {can}, upright, 0.25, 4, 0.2},
             {"a cylinder on its side", {can}, lying, 0.4, 2, 0},
@@ -104,7 +106,7 @@ TEST_CASE("shapes at rest are held by the points they need") {
                 const Quat yaw = oracle::quat_of({0, 1, 0}, random.uniform(0, 6));
                 const RelativePose pose =
                     oracle::pose_of(normalized(yaw * rest.turn), {0, tops[f] + rest.height + gap, 0});
-                // A box of a greater kind than the floor's would be A: put the floor first where the kinds allow it.
+                // The floor is A, so a solid of a greater kind than the floor's is skipped.
                 if (floors[f].geometry.kind < rest.solid.geometry.kind) continue;
                 const Manifold m = manifold_of(floors[f], rest.solid, pose);
                 CHECK(m.count == rest.points);
@@ -146,7 +148,7 @@ TEST_CASE("feature keys of shapes at rest survive small motions") {
                 ++scenes;
                 changed += features(again) != features(first) ? 1 : 0;
             }
-            Manifold wrong = first; // planted: a key that counts instead of naming
+            Manifold wrong = first; // planted: a feature that depends on the order
             wrong.points[0].feature ^= 1;
             CHECK(features(wrong) != features(first));
         }
@@ -169,7 +171,7 @@ TEST_CASE("cylinders and cones roll on circles, not on polygons") {
                 CHECK(std::abs(as_double(wheel.points[k].separation) + 0.0005) < 1e-7);
                 CHECK(std::abs(as_double(wheel.points[k].position.z)) < 2e-7);
             }
-            // A coin on its rim, leaning by 0.4 rad: its lowest point is r sin + h cos below its middle.
+            // A coin on its rim, tilted by 0.4 rad: its lowest point is r sin + h cos below its middle.
             const double lean = 0.4, low = 0.4 * std::sin(lean) + 0.02 * std::cos(lean);
             const Manifold coin =
                 manifold_of(floors[f], {cylinder(0.4_r, 0.02_r)},

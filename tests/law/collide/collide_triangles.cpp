@@ -1,4 +1,4 @@
-// What contacts with meshes and height fields have to be like, scene by scene.
+// Contacts with meshes and height fields, scene by scene.
 #include "oracle/mesh_scenes.h"
 
 #include <cmath>
@@ -41,7 +41,7 @@ bool is_normal(const collide::Manifold& m, D3 n, double tolerance = 1e-6) {
 double separation(const collide::Manifold& m, std::uint32_t k = 0) {
     return oracle::as_double(m.points[k].separation);
 }
-/// One manifold with this normal, whose points are all at this separation.
+/// Returns whether there is one manifold with this normal, whose points all have this separation.
 bool is_only(const collide::Manifolds& m, D3 normal, double gap, std::uint32_t points,
              double tolerance = 1e-6) {
     bool good = m.count == 1 && is_normal(m.items[0], normal, tolerance) && m.items[0].count == points;
@@ -60,7 +60,7 @@ Soup spike(int sides, double radius, double height) {
     for (int k = 0; k < sides; ++k) s.add({0, 0, 0}, rim(k + 1), rim(k));
     return s;
 }
-/// A roof: its ridge along z through the origin, falling to both sides with this slope.
+/// A roof: its ridge lies along z through the origin, and both sides fall with this slope.
 Soup ridge(double slope, double width = 5) {
     Soup s;
     s.add({0, 0, -5}, {-width, -slope * width, -5}, {-width, -slope * width, 5}, {0, 0, 5});
@@ -235,13 +235,13 @@ TEST_CASE("triangles of a kilometre are as good as small ones") {
 
 TEST_CASE("a border is felt from the side and not from above") {
     const Owned sheet = mesh(grid(-4, -4, 1, 4, 8, 0, 0, [](double, double) { return 0.0; }));
-    // The box touches the border with its side's middle: pushed away from the sheet.
+    // The middle of the box's side touches the border: the contact pushes the box away from the sheet.
     const collide::Manifolds side = contacts(sheet, box(0.5_r, 0.5_r, 0.5_r), {0.498, 0, 0.2});
     INFO(show(side));
     CHECK(is_only(side, {1, 0, 0}, -0.002, 2));
     CHECK(is_only(contacts(sheet, sphere(0.5_r), {0.497, -0.03, 0.2}), {0.497, -0.03, 0},
                   std::hypot(0.497, 0.03) - 0.5, 1));
-    // Beside it and level with it, about to slide onto it: nothing yet.
+    // Beside the sheet and level with it, before it slides onto it: no contact yet.
     CHECK(contacts(sheet, box(0.5_r, 0.5_r, 0.5_r), {0.51, 0.501, 0.2}).count == 0);
     CHECK(contacts(sheet, box(0.5_r, 0.5_r, 0.5_r), {0.51, 0.499, 0.2}).count == 0);
 }
@@ -279,7 +279,7 @@ TEST_CASE("features are unique and stay while the contact moves a little") {
 }
 
 TEST_CASE("a mesh of half the size at scale 2 has the same contacts, bit for bit") {
-    // Only of a mesh at scale 1 are triangles dropped by their planes alone.
+    // Only a mesh at scale 1 drops triangles by their planes alone.
     Soup soup = grid(-8, -8, 0.5, 32, 32, 0.2, 21,
                      [](double x, double z) { return 0.4 * std::sin(2 * x) + 0.3 * std::cos(2.3 * z); });
     for (D3& v : soup.vertices)

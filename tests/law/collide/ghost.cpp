@@ -1,5 +1,5 @@
-// Nothing is caught by the seams of a flat surface: contacts of shapes that are swept over flat meshes and height
-// fields have the face's normal and one separation, wherever the edges and corners of the triangles are.
+// The seams of a flat surface stop no shape: contacts of shapes that are swept over flat meshes and height fields have
+// the face's normal and one separation, at all edges and corners of the triangles.
 #include "support/effort.h"
 
 #include "collide/convex/convex.h"
@@ -15,12 +15,12 @@ namespace {
 
 const Length margin = as_fixed<Length>(0.02);
 
-/// A shape that stands on the floor with its origin at `height`.
+/// A shape that rests on the floor with its origin at `height`.
 struct Slider {
     const char* name;
     Geometry geometry;
     double height, size;
-    Quat rotation; ///< before it is turned about y
+    Quat rotation; ///< before the turn about y
 };
 
 std::vector<Slider> sliders() {
@@ -53,8 +53,8 @@ struct Trouble {
 using Collide = void (*)(const shapes::Solid&, const shapes::Solid&, const collide::RelativePose&, Length,
                          collide::NarrowScratch&, collide::Manifolds&);
 
-/// From -reach to reach [m] in each of 16 directions through `middle`, at `gap` above the floors, which together are
-/// flat at y = 0.
+/// Sweeps from -reach to reach [m] in each of 16 directions through `middle`, at `gap` above the floors, which together
+/// are flat at y = 0.
 Trouble sweep(std::span<const Owned* const> floors, const Slider& slider, D3 middle, double gap, double step,
               double tolerance, Collide collide_one, double reach = 50) {
     Trouble t;
@@ -104,7 +104,7 @@ void check_floors(std::span<const Owned* const> floors, const char* name, D3 mid
 
 double flat(double, double) { return 0; }
 
-/// Every triangle for itself, as if it had no neighbours.
+/// Collides with every triangle alone, without the neighbours.
 void collide_naively(const shapes::Solid& a, const shapes::Solid& b, const collide::RelativePose& pose,
                      Length reach, collide::NarrowScratch& scratch, collide::Manifolds& out) {
     const Coordinate far(2);
@@ -151,7 +151,8 @@ TEST_CASE("a seam between two meshes is not felt at any of its corners, seen clo
     const Owned* const floors[] = {&left, &right};
     for (const Slider& slider : sliders())
         for (const double gap : gaps)
-            for (const double z : {-2.003, 0.001, 2.0, 3.0}) { // corners of the right, of both, of the left
+            // Near corners of the right mesh, of both, and of the left one.
+            for (const double z : {-2.003, 0.001, 2.0, 3.0}) {
                 const Trouble t = sweep(floors, slider, {0.0004, 0, z}, gap, slider.size / 37, 1e-6,
                                         collide::collide, slider.size * 1.5);
                 INFO(std::string(slider.name), " at ", gap, " near ", z, ": ", describe(t));

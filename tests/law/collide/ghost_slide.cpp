@@ -13,7 +13,7 @@ constexpr double speed = 10;           // [m/s]
 constexpr double vertical_max = 0.001; // [m/s]
 constexpr double slower_max = 0.001;   // [m/s]
 constexpr int settle_ticks = 60, slide_ticks = 600;
-/// Of 16 directions every second one, every one with LOCKSTONE_LONG.
+/// The step through the 16 directions: every second one, all of them with LOCKSTONE_LONG.
 int direction_step() { return std::getenv("LOCKSTONE_LONG") != nullptr ? 1 : 2; }
 
 struct Slider {
@@ -32,7 +32,7 @@ std::vector<Slider> sliders() {
             {"cylinder", cylinder(0.4_r, 0.3_r), 0.3, upright}};
 }
 
-/// Adds what `soup` describes as an asset; a place in the world is the asset's own.
+/// Adds `soup` as a mesh asset, in world coordinates.
 AssetId add_mesh(AssetLibrary& library, const Soup& soup) {
     std::vector<Vec3> vertices;
     for (const D3& v : soup.vertices) vertices.push_back(real(v));
@@ -53,7 +53,7 @@ struct Body {
     double vertical = 0, slower = 0, faster = 0;
 };
 
-/// A sentence for each slider and direction that stumbled.
+/// Returns a sentence for each slider and direction that stumbled.
 std::string slide(AssetLibrary&& library, const std::vector<Floor>& floors, D3 middle) {
     const auto assets = std::make_shared<const AssetLibrary>(std::move(library));
     Result<World> made = World::create({}, {}, assets);

@@ -1,4 +1,5 @@
-// An edge does not stop a body that flies or rolls past it: contact points ahead belong only to shapes in the way.
+// An edge does not stop a body that flies or rolls past it: speculative contact points exist only for shapes in the
+// way.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +11,8 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// How high a ball hops, and what part of its speed it has in the end, that rolls or slides over the joint of two flush boxes.
+/// The height of the hop of a ball that rolls or slides over the joint of two flush boxes [m], and the fraction of its
+/// speed that remains.
 struct Crossing {
     double hop = 0, kept = 0;
 };
@@ -36,7 +38,7 @@ Crossing cross_joint(double radius, double speed, double start, bool rolls) {
 } // namespace
 
 TEST_CASE("a ball crosses the joint of two flush boxes") {
-    // A plane in their place would not be felt. The bounds are a graze of 2 mm, and the speed that it takes of a ball of 0.1 m at 2 m/s.
+    // A plane gives no hop at all. The bounds allow a graze of 2 mm and its effect on a ball of 0.1 m at 2 m/s.
     for (const bool rolls : {false, true})
         for (const double radius : {0.1, 0.3, 1.0})
             for (const double speed : {2.0, 5.0, 15.0, 30.0})
@@ -77,7 +79,7 @@ TEST_CASE("a ball that misses is not turned aside, and touches nothing") {
 }
 
 TEST_CASE("a ball that does not miss is stopped") {
-    // Half of it is in the way: the twin of the cases above.
+    // The negative control of the cases above: half of the ball is in the way.
     for (const double speed : {5.0, 20.0, 60.0}) {
         World w = made(World::create(weightless()));
         add(w, {.kind = BodyKind::static_}, {.geometry = box(0.5_r, 0.5_r, 0.5_r)});

@@ -1,4 +1,4 @@
-// Where a sweep stops what moves towards a plane: closed forms.
+// The place where a sweep stops a body that moves towards a plane, in closed form.
 #include "collide/query/cast.h"
 #include "support/random.h"
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double stop_gap = 0.002; ///< collide::stop_gap [m]
 
-/// A shape that hangs `gap` above a plane and sinks into it by `depth` [m], without turning.
+/// A shape that starts `gap` above a plane and ends `depth` below it [m], without turning.
 struct Fall {
     Geometry shape;
     double reach; ///< from its centre down to its lowest point [m]
@@ -28,10 +28,11 @@ double stop_of(const Fall& fall, const shapes::Solid& ground = {plane()}, double
     return to_double(collide::stop_fraction(ground, still, body, way, {}, held, scratch));
 }
 
-/// Where it is stop_gap above the plane.
+/// The fraction of the way at which the shape is stop_gap above the plane.
 double surface_fraction(const Fall& fall) { return (fall.gap - stop_gap) / (fall.gap + fall.depth); }
 
-/// What is left of the rounding comes within stop_gap at a depth of the other part less that.
+/// Returns whether the shape passes: the rounding that remains comes within stop_gap only at the depth of the other
+/// part, less stop_gap.
 bool passes(const Fall& fall, double rounding, double part) {
     return fall.depth < rounding * part - stop_gap;
 }
@@ -66,7 +67,7 @@ TEST_CASE("a rounded shape is stopped at the surface, or not at all when it ente
     }
     CHECK(passed > 500);
     CHECK(stopped > 500);
-    CHECK(told_apart > 100); // twin: a rounding of four fifths would not do
+    CHECK(told_apart > 100); // negative control: four fifths of the rounding
 }
 
 TEST_CASE("a body that joints hold enters planes and boxes until its core's centre is as deep as its inner "
@@ -79,9 +80,10 @@ TEST_CASE("a body that joints hold enters planes and boxes until its core's cent
                      depth = random(0, 4 * half);
         const Fall fall = i % 2 == 0 ? Fall{box(real(half), real(half), real(half)), half, gap, depth}
                                      : Fall{capsule(real(half / 2), real(half / 2)), half, gap, depth};
-        const double centre = half - depth, inner = i % 2 == 0 ? half : half / 2; // its end above the top
+        // how far the centre ends above the top
+        const double centre = half - depth, inner = i % 2 == 0 ? half : half / 2;
         const double surface =
-            (gap + half - stop_gap) / (gap + depth); // where the centre is stop_gap above the top
+            (gap + half - stop_gap) / (gap + depth); // there the centre is stop_gap above the top
         const auto is_at_centre = [&](double stop) {
             return stop <= surface + 1e-6 / (gap + depth) && stop >= surface - 0.001 / (gap + depth);
         };
@@ -115,7 +117,7 @@ TEST_CASE("a shape without rounding is always stopped at the surface") {
 
 namespace {
 
-/// Two ways that begin apart: an obstacle that may turn, and what may hit it.
+/// Two motions that begin apart: an obstacle that may turn, and a body that may hit it.
 struct Crossing {
     collide::Sweep obstacle, mover;
 };
@@ -150,7 +152,7 @@ TEST_CASE("what is not stopped by a box never comes near it: times of impact, wh
         const auto impact = [&](Length target) {
             return collide::time_of_impact(obstacle, c.obstacle, mover, c.mover, target, scratch);
         };
-        if (impact(quantize<Length>(4 * stop_gap)) == Unit{}) continue; // nearer than that at first
+        if (impact(quantize<Length>(4 * stop_gap)) == Unit{}) continue; // nearer than that at the start
         const Unit stop = collide::stop_fraction(obstacle, c.obstacle, mover, c.mover, {},
                                                  collide::Held::not_at_all, scratch);
         CHECK(stop == impact(quantize<Length>(stop_gap)));
@@ -162,7 +164,8 @@ TEST_CASE("what is not stopped by a box never comes near it: times of impact, wh
 
 namespace {
 
-/// A capsule that meets a box, as what stops it: the whole, what is left of it as it sinks in, and its core.
+/// The parts of a capsule that a box can stop: the whole, the thinner capsule that remains as it sinks in, and its
+/// core.
 struct Dipping {
     shapes::Solid whole, thin, core;
 
@@ -196,7 +199,8 @@ TEST_CASE("a rounded shape at a box is stopped where times of impact say so, of 
         if (impact(mover.whole, quantize<Length>(2 * stop_gap)) == Unit{}) { // it touches, or nearly
             if (impact(mover.whole, Length{}) != Unit{}) continue;
             if (impact(mover.core, quantize<Length>(2 * stop_gap)) == Unit{}) continue;
-            // The core is a ball by itself here, and part of the capsule there: roundings may make one of them come an eighth nearer.
+            // This core is a separate ball, that of the sweep is part of the capsule: rounding may bring one of them an
+            // eighth nearer.
             CHECK(stop >= impact(mover.core, Length::from_raw(gap.raw / 4 * 5)));
             CHECK(stop <= impact(mover.core, Length::from_raw(gap.raw / 20 * 17)));
             held_at_core += stop != unit_one;

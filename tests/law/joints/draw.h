@@ -1,4 +1,4 @@
-// Random numbers in double for tests of the parts of joints.
+// Random doubles for tests of the parts of joints.
 #pragma once
 
 #include "support/rigs/joint_rig.h"

@@ -1,5 +1,5 @@
-// Limits, motors, springs and friction of every kind that has them, on each axis that it leaves free; those of lines are
-// in joints_lines.cpp.
+// Limits, motors, springs and friction of every kind of joint on each axis that it leaves free. joints_lines.cpp has
+// those of lines.
 #include "support/about.h"
 #include "support/one_axis.h"
 #include "support/rigs/joint_variants.h"
@@ -24,7 +24,7 @@ JointDef steered_wheel() {
     def.axis[about_y].mode = AxisMode::free;
     return def;
 }
-/// The axes that kinds leave free, without the springs that some come with.
+/// The free axes of each kind, without the springs that some kinds have.
 std::vector<FreeAxis> free_axes_of_kinds() {
     std::vector<FreeAxis> all{{"hinge", hinge_joint(), about_x},
                               {"slider", slider_joint(), along_x},
@@ -48,7 +48,7 @@ std::vector<FreeAxis> free_axes_of_kinds() {
 
 double inertia_of(JointAxisIndex axis) { return axis < about_x ? crate_mass : crate_inertia; }
 
-/// Loads are told by the acceleration that they alone would bring [m/s^2] or [rad/s^2].
+/// Loads are given as the acceleration that they alone would cause [m/s^2] or [rad/s^2].
 struct Axis : OneAxis {
     Axis(const FreeAxis& which, const JointAxis& what) : OneAxis(which.def, which.axis, what) {}
     void run(int ticks, double load = 0) { OneAxis::run(ticks, load * inertia()); }
@@ -80,7 +80,8 @@ std::string spring_fault(const FreeAxis& which, double frequency, double told_fr
     return swing_fault(one, told_frequency, told_damping);
 }
 
-/// The longest way that the angle of a hinge takes in a tick [rad], while B turns at `speed` from one of its wide limits to the other.
+/// The greatest change of a hinge's angle in a tick [rad], while B turns at `speed` from one of its wide limits to the
+/// other.
 double longest_step(double speed) {
     World w = bare_world();
     JointDef def = hinge_joint();
@@ -163,7 +164,7 @@ TEST_CASE("a motor joint drives a body to a pose relative to another, and holds 
         CHECK(o.along[i] == test::about(way[i], 0.01));
         CHECK(o.about[i] == test::about(turn[i], 0.01));
     }
-    JointDef idle = motor_joint(Real(3), Real(100000), Real(50000)); // planted: no target
+    JointDef idle = motor_joint(Real(3), Real(100000), Real(50000)); // planted fault: no target
     Jointed k = join_two(JointKind::motor, idle, turned(axis_z, 40));
     for (int t = 0; t < 60; ++t) k.world.tick();
     CHECK(length(offset_of(k.world, k.joint).along) < 0.01);
@@ -206,7 +207,7 @@ TEST_CASE("a wheel turns about its own axle while it is steered and its suspensi
     World w = heavy_world();
     const BodyId b = add_crate(w, at(0, 0, 0));
     const JointId joint = made(w.create_joint(def, {}, b, at(0, 0, 0)));
-    for (const double angle : {0.4, -0.4, 0.9}) { // the last is beyond the limit
+    for (const double angle : {0.4, -0.4, 0.9}) { // the last one is beyond the limit
         def.axis[about_y].target = real(angle);
         done(w.set_joint_axis(joint, about_y, def.axis[about_y]));
         for (int t = 0; t < 180; ++t) w.tick();
@@ -225,12 +226,12 @@ TEST_CASE("planted fault: a hinge that turns ten times as fast") { CHECK(longest
 
 namespace {
 
-/// A body of 5 cm on a hinge about x of the world that spins, without a load, for a second.
+/// A body of 5 cm that spins on a hinge about the world's x axis, without a load, for a second.
 struct Spun {
     double told = 0;   ///< the joint's angle [rad]
-    double turned = 0; ///< by the body's spin [rad]
-    double most = 0;   ///< largest angle of the joint after a tick, in magnitude
-    double spin = 0;   ///< in the end [rad/s]
+    double turned = 0; ///< integral of the body's spin [rad]
+    double most = 0;   ///< largest absolute angle of the joint after a tick
+    double spin = 0;   ///< at the end [rad/s]
 };
 Spun spin_hinge(const JointDef& def, double speed, bool base_spins = false) {
     World w = made(World::create(weightless()));
@@ -264,7 +265,7 @@ TEST_CASE("a hinge counts its turns however fast it spins") {
                 INFO(std::string(name_of(def.kind)), ", speed ", speed, ", base spins ", base_spins);
                 const Spun s = spin_hinge(def, speed, base_spins);
                 CHECK(s.spin == test::about(speed, 1e-3));
-                CHECK(std::abs(s.told - s.turned) < 0.5); // a turn that is lost is 6.28 rad
+                CHECK(std::abs(s.told - s.turned) < 0.5); // a lost turn is 6.28 rad
             }
 }
 
@@ -276,6 +277,6 @@ TEST_CASE("a hinge stops at its limits however fast it spins") {
             def.axis[about_x] = {.mode = AxisMode::limited, .lower = real(-limit), .upper = real(limit)};
             const Spun s = spin_hinge(def, speed);
             CHECK(std::abs(s.spin) < 1);
-            CHECK(s.most < limit + std::abs(speed) / (60 * 8) + 0.05); // no more than a substep's way beyond
+            CHECK(s.most < limit + std::abs(speed) / (60 * 8) + 0.05); // at most a substep's motion beyond
         }
 }

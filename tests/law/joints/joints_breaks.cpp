@@ -1,5 +1,5 @@
-// Breaking and reactions, kind by kind: a joint tells what it bears, and breaks when that is more than it can, once, with an
-// event.
+// Breaking and reactions of each kind: a joint reports its load, and breaks once, with an event, when the load exceeds
+// its strength.
 #include "support/about.h"
 #include "support/effort.h"
 #include "support/rigs/joint_variants.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double load = 5000; ///< [N], or half of it in [N m]
 
-/// A joint on a crate B that does not move, pulled along an axis or turned about one.
+/// A joint to a crate B, which an axis force pulls or a torque turns; the joint keeps it in place.
 struct Loaded {
     const char* name;
     JointDef def;
@@ -28,7 +28,7 @@ std::vector<Loaded> loaded_joints() {
     JointDef six = six_dof_joint();
     six.axis[along_y].mode = six.axis[about_z].mode = AxisMode::locked;
     JointDef limited = six_dof_joint();
-    limited.axis[along_x] = {.mode = AxisMode::limited}; // stands at both of its limits
+    limited.axis[along_x] = {.mode = AxisMode::limited}; // is at both of its limits
     JointDef twist = ball_joint();
     twist.axis[about_x] = {.mode = AxisMode::limited};
     JointDef driven = slider_joint();
@@ -68,7 +68,7 @@ std::vector<Loaded> loaded_joints() {
             {"rack_and_pinion", rack_and_pinion_joint(Real(2)), x}};
 }
 
-/// B is the crate in the middle. A stands still, and so does the shaft that a gear or a pinion has there.
+/// B is the crate in the middle. A is at rest, and so is the shaft that a gear or a pinion has there.
 struct Stand {
     World world = bare_world();
     BodyId a, b;
@@ -101,7 +101,7 @@ struct Stand {
     }
 };
 
-/// What the joint says that it brings to bear on B is what keeps the load.
+/// Returns an error sentence unless the reported reaction on B balances the load.
 std::string reaction_fault(const Loaded& what, double share = 1) {
     Stand stand(what, 0, 0);
     for (int t = 0; t < 120; ++t) stand.tick();
@@ -114,7 +114,7 @@ std::string reaction_fault(const Loaded& what, double share = 1) {
     return {};
 }
 
-/// Borne for two seconds, broken at once, or what else happened.
+/// Returns "borne" after two seconds, "broken" after a break at once, or a sentence about another outcome.
 std::string outcome(const Loaded& what, double strength) {
     const double force = length(what.force), torque = length(what.torque);
     Stand stand(what, strength * force, strength * torque);
@@ -159,7 +159,7 @@ TEST_CASE(
     "every kind bears what is below its strength, and breaks under what is above it, once, with an event") {
     for (const Loaded& what : loaded_joints()) {
         INFO(std::string(what.name));
-        CHECK(outcome(what, 1.25) == "borne"); // a soft one is loaded by 1.135 times its load at first
+        CHECK(outcome(what, 1.25) == "borne"); // a soft joint is loaded by 1.135 times its load at first
         CHECK(outcome(what, 0.8) == "broken");
         CHECK(outcome(what, 0) == "borne"); // unbreakable
     }
@@ -179,7 +179,8 @@ TEST_CASE("a gear and a rack load the other side with their ratio") {
 
 namespace {
 
-/// A ball of so many kg hangs 1 m below the joint, or beside it. Returns the force and the torque of the joint after a second; nothing if it broke.
+/// A ball of so many kg hangs 1 m below the joint, or beside it. Returns the joint's force and torque after a second;
+/// `holds` is false if it broke.
 struct Hung {
     bool holds = false;
     double force = 0, torque = 0;

@@ -1,4 +1,4 @@
-// Points of joints that are open are closed within a tick, by moving bodies.
+// The solver closes open points of joints within a tick, by moving bodies.
 #include "support/rigs/joint_scenes.h"
 
 #include <doctest/doctest.h>
@@ -13,7 +13,8 @@ namespace {
 
 World space() { return made(World::create({.gravity = {}, .sleeping = 0})); }
 
-/// A net of balls, held to their neighbours half way; packs solve its points, for it has loops. `hangs`: from the ends of its top row.
+/// A net of balls; each is jointed to its neighbours half way. Packs solve its points, because it has loops. `hangs`:
+/// the net hangs from the ends of its top row.
 struct Net {
     static constexpr int side = 6;
     World& world;
@@ -41,7 +42,7 @@ struct Net {
     void hit(std::size_t ball, double speed) {
         done(world.set_velocity(balls[ball], vec(speed, speed, 0), {}));
     }
-    /// Along an axis.
+    /// The widest gap of a joint along an axis [m].
     double widest() const {
         double out = 0;
         for (const JointId joint : joints) {
@@ -61,7 +62,7 @@ struct Net {
 
 } // namespace
 
-// 6 mm are what JointSolver::close leaves to the next substeps. Without it these hits leave 9 to 11 after a tick.
+// JointSolver::close leaves 6 mm to the next substeps. Without it these hits leave 9 to 11 mm after a tick.
 TEST_CASE("points that a hit opens are closed within the tick, and what they hold goes on as it did") {
     Random random = Random::seeded(5);
     for (int i = 0; i < 20; ++i) {
@@ -77,7 +78,8 @@ TEST_CASE("points that a hit opens are closed within the tick, and what they hol
     }
 }
 
-// The joints of the top row, which hold 60 balls each, stay open by 12 mm. Closed in every tick they would never come to rest.
+// The joints of the top row, which hold 60 balls each, stay open by 12 mm. If they were closed in every tick, the net
+// would never come to rest.
 TEST_CASE("points that a load keeps open are left to it, and come to rest") {
     constexpr int width = 4, height = 60;
     World world = made(World::create({.sleeping = 0}));
@@ -94,14 +96,14 @@ TEST_CASE("points that are closed move nothing of another figure, to the bit") {
     for (const bool hit : {false, true}) {
         World world = space();
         Net quiet(world), other(world, 100);
-        quiet.hit(7, 2); // opens it by 2 mm
+        quiet.hit(7, 2); // opens a joint by 2 mm
         if (hit) other.hit(14, 10);
         for (int tick = 0; tick < 5; ++tick) {
             world.tick();
             for (const BodyId ball : quiet.balls) poses[hit].push_back(world.pose(ball));
         }
         CHECK((length(position(world, other.balls[14]) - D3{102, -2, 0}) > 0.01) ==
-              hit); // twin: the other net moves
+              hit); // negative control: the other net moves
     }
     CHECK(poses[0] == poses[1]);
 }

@@ -1,5 +1,5 @@
-// How many degrees of freedom a joint takes, counted: what two joined bodies answer to impulses is a projection onto what
-// they may do, and the trace of a projection is the number of its dimensions.
+// The number of degrees of freedom that a joint removes. The response of two joined bodies to impulses is a projection
+// onto their allowed motions, and the trace of a projection is the number of its dimensions.
 #include "support/about.h"
 #include "support/effort.h"
 #include "support/rigs/joint_variants.h"
@@ -13,7 +13,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// A gear or a rack alone, without its axles: they would take degrees too.
+/// A gear or a rack without its axles, which would remove degrees of freedom too.
 Jointed bare_pair(const JointDef& def, Quat turn) {
     if (def.kind < JointKind::gear) return join_two(def.kind, def, turn);
     Jointed j{bare_world(), {}, {}, {}};
@@ -22,7 +22,7 @@ Jointed bare_pair(const JointDef& def, Quat turn) {
     return j;
 }
 
-/// The share that is left, after a tick, of a speed given to one of the twelve degrees of freedom of two crates.
+/// The share that remains, after a tick, of a speed along one of the twelve degrees of freedom of two crates.
 double share_left(const JointDef& def, Quat turn, std::uint32_t degree) {
     constexpr double given = 0.25;
     Jointed j = bare_pair(def, turn);
@@ -54,7 +54,7 @@ TEST_CASE("every joint takes as many degrees of freedom as it says, and leaves t
 
 TEST_CASE("any table of six axes takes as many degrees of freedom as it locks") {
     for (std::uint32_t mask = 0; mask < 64;
-         mask += test::is_too_long_here() ? 9u : 1u) { // every ninth has each axis both ways
+         mask += test::is_too_long_here() ? 9u : 1u) { // every ninth mask has each axis free and locked
         JointDef def = six_dof_joint();
         for (std::uint32_t i = 0; i < 6; ++i)
             if ((mask >> i & 1u) != 0) def.axis[i].mode = AxisMode::locked;

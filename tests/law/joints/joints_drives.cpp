@@ -1,4 +1,4 @@
-// Motors, springs and friction of joints against what they are defined to do; reactions, torques, and breaking.
+// Motors, springs and friction of joints against their definitions; reactions, torques, and breaking.
 #include "support/about.h"
 #include "support/one_axis.h"
 #include "support/rigs/motor_at_limit.h"
@@ -27,7 +27,7 @@ JointAxis spring_axis(double frequency, double damping_ratio) {
             .damping_ratio = real(damping_ratio)};
 }
 
-/// Half periods counted between zeros of an undamped swing, and the static deflection under a load.
+/// The frequency from the zeros of an undamped swing, and the stiffness from the static deflection under a load.
 struct Swing {
     double frequency, stiffness;
 };
@@ -95,13 +95,13 @@ TEST_CASE("a pulley trades rope by its ratio, and its rope pulls with the same f
         INFO("ratio ", ratio);
         World w = heavy_world();
         const BodyId a = add_crate(w, at(-2, -2, 0)), b = add_crate(w, at(2, -2, 0));
-        done(w.set_body_parameters({a, {}, {}, Real(2), 0, 1, 0})); // weighs twice as much
+        done(w.set_body_parameters({a, {}, {}, Real(2), 0, 1, 0})); // doubles its weight
         const double length = 2 + 2 * ratio;
         JointDef rope = pulley_joint(vec(-2, 0, 0), vec(2, 0, 0), real(length), real(ratio));
         rope.body_a = a, rope.body_b = b;
         const JointId joint = made(w.create_joint(rope));
         for (int t = 0; t < 30; ++t) w.tick();
-        // Atwood's machine: a rises by `ratio` times what b sinks, b is pulled by `ratio` times the force on a.
+        // Atwood's machine: a rises by `ratio` times the descent of b, and the force on b is `ratio` times that on a.
         const double rise = 9.81 * (2 * ratio - 1) / (1 + ratio * ratio);
         CHECK(velocity(w, b)[1] == test::about(rise * 0.5, 0.01));
         CHECK(velocity(w, a)[1] == test::about(-ratio * velocity(w, b)[1], 1e-3));

@@ -1,4 +1,5 @@
-// What joints do to bodies: freedoms left and taken, momentum, limits, motors, springs, and the edges of the ranges.
+// The effects of joints on bodies: free and locked axes, momentum, limits, motors, springs, and the edges of the
+// ranges.
 #include "support/about.h"
 #include "support/rigs/joint_rig.h"
 
@@ -13,12 +14,12 @@ namespace {
 
 const D3 brick{0.3, 0.25, 0.2};
 
-/// The named joint with free axes left free, and the axes that it takes.
+/// A joint whose free axes have no limits, and the axes that it locks.
 struct Kind {
     const char* name;
     JointDef def;
     std::array<bool, 6> taken;
-    double stray = 2e-3; ///< how far a taken axis may stray under the blows of the test
+    double stray = 2e-3; ///< how far a locked axis may drift under the impulses of the test
 };
 
 std::vector<Kind> kinds() {
@@ -37,7 +38,7 @@ std::vector<Kind> kinds() {
             {"planar", planar, {false, false, true, true, true, false}}};
 }
 
-/// Two bodies thrown about, joined at a place that is neither's centre.
+/// Two moving bodies, joined at a place that is the centre of neither.
 Rig thrown(const JointDef& def, std::uint32_t& joint, double kg_b = 2) {
     Rig rig;
     rig.gravity = {};
@@ -86,7 +87,7 @@ TEST_CASE("planted fault: a joint that is not there strays on the axes it should
 
 namespace {
 
-/// How much momentum and spin two thrown bodies gain in a second, relative.
+/// The relative gain of momentum and of angular momentum of two moving bodies in a second.
 double momentum_gain(const JointDef& def, double kg_b, bool push) {
     std::uint32_t joint = 0;
     Rig rig = thrown(def, joint, kg_b);
@@ -128,10 +129,10 @@ TEST_CASE("joints keep momentum and spin, whatever the masses") {
             CAPTURE(std::string(name_of(def.kind)));
             CAPTURE(kg);
             const double gain = momentum_gain(def, kg, false);
-            // A gear's shafts have no bearings here: its torques do not cancel.
+            // A gear's shafts have no bearings here, so its torques do not cancel.
             if (def.kind != JointKind::gear) CHECK(gain < 2e-3);
         }
-    CHECK(momentum_gain(ball_joint(), 2, true) > 2e-3); // planted fault: a push from outside
+    CHECK(momentum_gain(ball_joint(), 2, true) > 2e-3); // planted fault: an external push
 }
 
 TEST_CASE("a pendulum at 10 rad/s keeps its energy within a thousandth a second") {
@@ -143,7 +144,7 @@ TEST_CASE("a pendulum at 10 rad/s keeps its energy within a thousandth a second"
     rig.velocity[b] = {to<Speed>(vec(0, 5, 0)), to<Speed>(vec(0, 0, 10))};
     const double before = rig.energy();
     rig.run(60);
-    CHECK(rig.energy() / before == test::about(1, 1e-3)); // 6e-3 without looking ahead along the arc
+    CHECK(rig.energy() / before == test::about(1, 1e-3)); // 6e-3 without the prediction along the arc
     CHECK(rig.gap(j) < 2e-4);
     CHECK(std::abs(rig.coordinate(j, about_x)) == test::about(10, 2e-3));
     const double force = length(d3(rig.memory[j].force)); // m w^2 r
@@ -159,7 +160,7 @@ TEST_CASE("a wheel on a hinge through its centre keeps its spin") {
     CHECK(rig.w(b)[0] == test::about(40, 1e-4));
     CHECK(rig.gap(j) < 1e-3);
     CHECK(to_double(rig.memory[j].force.y) == test::about(3 * 9.81, 1e-3));
-    CHECK(rig.coordinate(j, about_x) == test::about(400, 1e-3)); // 64 turns, counted
+    CHECK(rig.coordinate(j, about_x) == test::about(400, 1e-3)); // counts 64 turns
 }
 
 TEST_CASE("springs on axes come to rest at their targets") {
@@ -233,7 +234,7 @@ TEST_CASE("joints of anything to anything stay within the ranges") {
                                                           {0.0, 0.0, 1.0, 1.0},
                                                           {0.0, 1.0, 1e-3, 100.0}}) {
             CAPTURE(std::string(name_of(made.kind)));
-            const double kg = kg_a; // clang 14: no lambda sees a structured binding
+            const double kg = kg_a; // clang 14: a lambda cannot capture a structured binding
             CAPTURE(kg);
             JointDef def = made;
             Rig rig;

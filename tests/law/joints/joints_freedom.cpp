@@ -1,4 +1,4 @@
-// What each kind of joint takes away and what it leaves, under loads from all sides; and limits.
+// The motions that each kind of joint locks and leaves free, under loads from all sides; and limits.
 #include "support/about.h"
 #include "support/rigs/joint_scenes.h"
 
@@ -13,7 +13,8 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// The joint of `def` under loads for a second and a half: does it keep what `claimed` keeps, and move where that may?
+/// Loads the joint of `def` for a second and a half. Returns an error sentence unless it keeps the locks of kind
+/// `claimed` and moves along its free axes.
 std::string freedom_fault(JointKind kind, const JointDef& def, JointKind claimed, std::uint64_t seed) {
     Jointed j = join_two(kind, def, turned(axis_y, static_cast<double>(seed % 5) * 40));
     Loads loads = loads_of(seed, 10000, 3000);
@@ -64,7 +65,7 @@ TEST_CASE("any table of six axes: what is locked stays, what is free moves") {
         for (std::uint32_t i = 0; i < 6; ++i)
             if ((mask >> i & 1u) != 0) def.axis[i].mode = AxisMode::locked;
         if (std::popcount(mask >> 3) == 1)
-            continue; // two free angles are no vector: the kinds above measure those
+            continue; // two free angles are no vector: the tests of kinds above measure them
         Jointed j = join_two(JointKind::six_dof, def);
         Loads loads = loads_of(mask, 6000, 1500);
         D3 along{}, about{};

@@ -1,5 +1,6 @@
-// Limits and motors about axes that are far from what they hold: a limit stops a weight on an arm and does not throw it back, a motor
-// turns it at its speed. What is hinged, the point and the axis, is solved together (solve/joints/axis_with_point.h).
+// Limits and motors about axes that are far from their load: a limit stops a weight on an arm and does not throw it
+// back, and a motor turns it at the motor's speed. The solver treats the point and the axis of a hinge together
+// (solve/joints/axis_with_point.h).
 #include "support/rigs/joint_scenes.h"
 
 #include <doctest/doctest.h>
@@ -13,7 +14,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-constexpr double pull = 10; // m/s^2, downwards along z
+constexpr double pull = 10; // [m/s^2], downwards along z
 
 World pulled() {
     WorldDef def = bare_def();
@@ -21,7 +22,8 @@ World pulled() {
     return made(World::create(def));
 }
 
-/// A box of 0.2 x 2 half x 0.2 m on a hinge about x, which is `arm` away from its middle along -y. It starts level.
+/// A box of 0.2 x 2 half x 0.2 m on a hinge about x; the hinge is `arm` away from the box's middle, along -y. The arm
+/// starts horizontal.
 struct Arm {
     World world = pulled();
     BodyId weight;
@@ -48,10 +50,10 @@ JointAxis driven(double speed) {
 }
 
 struct Stop {
-    double beyond; ///< [rad] how far it goes beyond its limit
-    double back;   ///< [rad] how far it comes back from there
+    double beyond; ///< [rad] beyond its limit
+    double back;   ///< [rad] back from there
 };
-/// Falls onto a limit of a radian.
+/// An arm falls onto a limit of a radian.
 Stop stop_of(Arm&& a) {
     double least = 0, back = 0;
     for (int tick = 0; tick < 240; ++tick) {
@@ -73,13 +75,13 @@ struct Flail : Arm {
         joint.body_a = weight, joint.body_b = ball, joint.frame_a.position = vec(0, 0.3, 0);
         made(world.create_joint(joint));
     }
-    /// Of a box of `mass`, whose half sizes along y and z are given, about x and in height [J].
+    /// The energy about x and in height of a box of `mass` with these half sizes along y and z [J].
     double energy(BodyId body, double mass, double y, double z) const {
         const auto v = to_double(world.linear_velocity(body)), w = to_double(world.angular_velocity(body));
         const double moved = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         return mass * (moved / 2 + (y * y + z * z) / 6 * w[0] * w[0] + pull * position(world, body)[2]);
     }
-    /// [J]; zero when it starts.
+    /// [J]; zero at the start.
     double energy() const {
         const double mass = 8000 * 0.1 * half * 0.1, heavy = 8000 * size * size * size;
         return energy(weight, mass, half, 0.1) + energy(ball, heavy, size, size);
@@ -88,7 +90,8 @@ struct Flail : Arm {
 
 } // namespace
 
-// Bullet 3.24, whose limits do not bounce either, lets the first arm pass its limit by 0.064 rad and come back by 0.08.
+// In Bullet 3.24, whose limits do not bounce either, the first arm passes its limit by 0.064 rad and comes back by
+// 0.08.
 TEST_CASE("a limit stops an arm that falls onto it, and does not throw it back") {
     const Stop even = stop_of(Arm(0.5, 1, limited(1)));
     CHECK(even.beyond < 0.005);
@@ -98,11 +101,11 @@ TEST_CASE("a limit stops an arm that falls onto it, and does not throw it back")
     CHECK(short_arm.back < 0.005);
 }
 
-// Without the point that is taken along they pass it by 0.13 to 0.2 rad, and come back by 0.8 to 1.1.
+// Without the point's share the arms pass the limit by 0.13 to 0.2 rad, and come back by 0.8 to 1.1.
 TEST_CASE("a limit stops a small weight on a long arm within eight substeps, and does not throw it back") {
     for (const auto& weight : {std::pair{0.1, 1.0}, {0.02, 1.0}, {0.2, 3.0}}) {
         const double half = weight.first, arm = weight.second;
-        const double speed = std::sqrt(2 * pull * std::sin(1.0) / arm); // of a point
+        const double speed = std::sqrt(2 * pull * std::sin(1.0) / arm); // of a point mass
         const Stop stop = stop_of(Arm(half, arm, limited(1)));
         CAPTURE(half);
         CHECK(stop.beyond < 8 * speed / 240);
@@ -126,8 +129,8 @@ TEST_CASE("a motor turns an arm at its speed from the first tick on, and a small
     }
 }
 
-// Flails whose ball is a few times as heavy as the arm are trees (0.1, 0.3; 0.1, 0.2; 0.5, 0.25); these had 25, 218 and 1.7 times the energy of
-// their fall when limits did not take points along.
+// Flails whose ball is a few times as heavy as the arm are trees (0.1, 0.3; 0.1, 0.2; 0.5, 0.25). Without the point's
+// share in limits these gained 25, 218 and 1.7 times the energy of their fall.
 TEST_CASE("a flail that falls onto a limit gains no energy, whatever its arm and its ball") {
     constexpr std::pair<double, double> all[] = {{0.3, 0.2}, {0.1, 0.3},  {0.1, 0.2}, {0.5, 0.1},
                                                  {0.1, 0.1}, {0.1, 0.05}, {0.3, 0.1}, {0.5, 0.25},

@@ -1,5 +1,5 @@
-// Lines and ratios: limits, motors, springs and friction of distances and pulleys; gears and racks, which have none of
-// their own, pass on those of their shafts.
+// Lines and ratios: limits, motors, springs and friction of distances and pulleys. Gears and racks have none of their
+// own and transmit those of their shafts.
 #include "support/about.h"
 #include "support/one_axis.h"
 #include "support/rigs/joint_variants.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double start = 2;
 
-/// A line of 2 m that a crate hangs on, or two crates on a pulley, of which the load pulls one; nothing weighs anything.
+/// A crate on a line of 2 m, or two crates on a pulley, without gravity. The load pulls all crates.
 struct Line {
     World world = bare_world();
     BodyId a{}, b;
@@ -33,9 +33,9 @@ struct Line {
         def.body_a = a, def.body_b = b;
         joint = made(world.create_joint(def));
     }
-    /// What resists a change of the length, seen from it [kg].
+    /// The inertia against a change of the length [kg].
     double inertia() const { return is_pulley ? crate_mass / 2 : crate_mass; }
-    /// `load`: the acceleration of the length that it alone would bring [m/s^2].
+    /// `load`: the acceleration of the length that the load alone would cause [m/s^2].
     void run(int ticks, double load = 0) {
         const Vec3 p = vec(0, -load * inertia(), 0);
         for (int t = 0; t < ticks; ++t) {
@@ -50,7 +50,7 @@ struct Line {
     double speed() const { return -velocity(world, b)[1] - (is_pulley ? velocity(world, a)[1] : 0); }
 };
 
-/// A length counted from where it is at the start.
+/// A length relative to the initial one.
 Real beyond(JointKind kind, double way) { return real((kind == JointKind::pulley ? 2 : 1) * start + way); }
 
 std::string limit_fault(JointKind kind, double lower, double upper) {
@@ -63,7 +63,7 @@ std::string limit_fault(JointKind kind, double lower, double upper) {
 
 double inertia_of(JointKind kind) { return kind == JointKind::pulley ? crate_mass / 2 : crate_mass; }
 
-/// A winch.
+/// Tests a winch.
 std::string motor_fault(JointKind kind, double strength) {
     return test::scene::motor_fault([&](const JointAxis& axis) { return Line(kind, axis); },
                                     strength * inertia_of(kind), -1);
@@ -126,7 +126,7 @@ TEST_CASE("a spring of limited travel swings between its limits, and a rope that
                                       .target = real(2)});
     spring.run(20, 6);
     CHECK(spring.position() == test::about(0.2, 0.02));
-    spring.run(40, -6); // 22 ticks of it lead from one end to the other
+    spring.run(40, -6); // 22 of these ticks lead from one end to the other
     CHECK(spring.position() == test::about(-0.2, 0.02));
     spring.run(600);
     CHECK(std::abs(spring.position()) < 0.01);
@@ -142,7 +142,7 @@ TEST_CASE("a spring of limited travel swings between its limits, and a rope that
 
 namespace {
 
-/// Loaded by a torque about B's shaft, or a force along B's rail; the place of A's shaft.
+/// Applies a torque about B's shaft, or a force along B's rail. Returns the angle of A's shaft.
 double shaft_after(const JointDef& joint, const JointAxis& shaft, double load, int ticks,
                    double* other = nullptr) {
     Jointed j = join_two(joint.kind, joint);
@@ -171,9 +171,9 @@ TEST_CASE("gears and racks pass on what their shafts have: limits, motors, sprin
                     240, &way);
         CHECK(way == test::about(sign * 4 / 2, 0.03));
         shaft_after(joint, {.mode = AxisMode::free, .friction = Real(230)}, 400, 240, &way);
-        CHECK(std::abs(way) < 1e-3); // the shaft feels half of the load
+        CHECK(std::abs(way) < 1e-3); // half of the load acts on the shaft
         shaft_after(joint, {.mode = AxisMode::free, .friction = Real(170)}, 400, 240, &way);
-        CHECK(way > 0.1); // planted: too little
+        CHECK(way > 0.1); // planted: too little friction
         const JointAxis spring{.mode = AxisMode::free, .spring = 1, .frequency = Real(1)};
         const double stiffness = 1000.0 / 6 * std::pow(2 * 3.14159265358979, 2);
         CHECK(shaft_after(joint, spring, 400, 600) == test::about(sign * 400 / 2 / stiffness, 0.02));

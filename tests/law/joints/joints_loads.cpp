@@ -1,6 +1,6 @@
-// Random loads on every kind of joint, by seed: nothing gains energy, nothing stays apart, nothing overflows.
-// LOCKSTONE_LONG=1 takes 10,000 seeds a kind, and of what kinds are also used for; LOCKSTONE_SEEDS=first..last those of a kind; LOCKSTONE_SHARD=2/5 every fifth
-// seed from the second on.
+// Random loads on every kind of joint, by seed: no energy is gained, no gap remains, no number overflows.
+// LOCKSTONE_LONG=1 takes 10,000 seeds for each kind and for each further use of a kind; LOCKSTONE_SEEDS=first..last the
+// named seeds; LOCKSTONE_SHARD=2/5 every fifth seed from the second on.
 #include "support/effort.h"
 #include "support/rigs/joint_scenes.h"
 
@@ -20,7 +20,7 @@ struct Loaded {
     const char* name;
     JointKind kind;
     JointDef def;
-    double power = 0; ///< most that its motors put in [W]
+    double power = 0; ///< the greatest power of its motors [W]
 };
 
 std::vector<Loaded> plain_kinds() {
@@ -28,7 +28,7 @@ std::vector<Loaded> plain_kinds() {
     for (JointKind kind : joint_kinds) all.push_back({lockstone::name_of(kind), kind, plain_joint(kind)});
     return all;
 }
-/// What kinds are also used for, and what they can have.
+/// Further uses of the kinds, with their options.
 std::vector<Loaded> other_uses() {
     JointDef cone = ball_joint(), steered = wheel_joint(Real(2), Real(1)),
              slack = plain_joint(JointKind::pulley);
@@ -68,7 +68,7 @@ std::vector<Loaded> other_uses() {
             {"six_dof, sprung within limits", JointKind::six_dof, pose}};
 }
 
-/// A joint with what a seed adds to a plain one: limits or friction.
+/// A joint with the addition that the seed chooses: limits or friction.
 JointDef def_of(const Loaded& what, std::uint64_t seed) {
     JointDef def = what.def;
     if (seed % 3 == 1 && what.kind < JointKind::distance)
@@ -91,7 +91,7 @@ Jointed jointed(const Loaded& what, std::uint64_t seed) {
     done(j.world.set_mass({j.b, real(1000 * mass_ratio(seed)), Vec3{}, gyration, Quat::identity()}));
     return j;
 }
-/// On each body in proportion to its mass.
+/// Loads each body in proportion to its mass.
 void apply(Loads& loads, Jointed& j, double force, double torque) {
     for (const BodyId body : {j.a, j.b}) {
         const double share = to_double(j.world.mass(body)) / 1000;
@@ -111,15 +111,15 @@ std::string name_of(const Loaded& what, std::uint64_t seed, int tick) {
            ": ";
 }
 
-/// w^2 r: how hard bodies that fly round each other pull at their joint [m/s^2]; r at least 1 m.
+/// w^2 r: the acceleration with which rotating bodies pull at their joint [m/s^2]; r at least 1 m.
 double pull_of(const Jointed& j) {
     const double w = std::max(length(spin(j.world, j.a)), length(spin(j.world, j.b)));
     const D3 way = to_double(j.world.pose(j.b).position - j.world.pose(j.a).position);
     return w * w * std::max(1.0, length(way));
 }
 
-/// violation(), but of lines what they are beyond their limit, of steered wheels what is not steering, of soft welds
-/// nothing: what spins faster than they swing stays apart.
+/// violation(), with exceptions: for lines the length beyond their limit, for steered wheels all axes but the steering
+/// one, for soft welds zero, because a spin faster than their frequency keeps them apart.
 double off_by(const Jointed& j, JointKind kind) {
     const JointDef def = j.world.joint(j.joint);
     const bool is_line = kind == JointKind::distance || kind == JointKind::pulley;
@@ -134,21 +134,21 @@ double off_by(const Jointed& j, JointKind kind) {
     return std::max({std::abs(along[0]), std::abs(along[2]), std::abs(std::asin(dot(b.axes[0], a.axes[1])))});
 }
 
-/// Loads are bounded by sqrt(2 E) <= pushed; with motors on top of that y' <= pushed' + power / y.
+/// The bound of the energy: loads give sqrt(2 E) <= pushed; motors add y' <= pushed' + power / y.
 double energy_max(const Loads& loads, double work) {
     const double most = loads.pushed + std::sqrt(2 * work);
     return 0.5 * most * most;
 }
 
-/// Loads, then none. While they act, the kinetic energy is never more than `factor` times what they can have put in; when
-/// they are over, what the joint keeps comes back to where it belongs; nothing was clamped.
+/// Loads, then none. Under the loads the kinetic energy is at most `factor` times the energy that they can have added;
+/// afterwards the joint's locks close again, and no value was clamped.
 std::string load_fault(const Loaded& what, std::uint64_t seed, double factor = 1) {
     Jointed j = jointed(what, seed);
     Loads loads = seeded_loads(seed);
     const double force = loads.force, torque = loads.torque;
-    double pull = 0; // the most of the quiet ticks: what it stretched takes ticks to come back
+    double pull = 0; // the greatest of the quiet ticks: a stretch takes ticks to close
     double off =
-        1e9; // of a rope the least of the quiet ticks: it gives while a body is wound about its pulley
+        1e9; // for a rope the least of the quiet ticks: it gives way while a body winds around its pulley
     for (int t = 0; t < loaded_ticks + quiet_ticks; ++t) {
         if (t >= loaded_ticks + quiet_ticks - (what.kind == JointKind::pulley ? quiet_ticks : 1))
             off = std::min(off, off_by(j, what.kind));

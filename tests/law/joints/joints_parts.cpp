@@ -1,4 +1,5 @@
-// Rows of joints one by one: each Jacobian is the derivative of its error, and a part's inverse is its inverse.
+// Rows of joints, one at a time: each Jacobian is the derivative of its error, and the computed inverse of a part is
+// its inverse.
 #include "draw.h"
 #include "solve/joints/joint_parts.h"
 
@@ -18,13 +19,13 @@ int rounds(int quick, int thorough) { return std::getenv("LOCKSTONE_LONG") != nu
 
 constexpr int kinds = static_cast<int>(RowKind::rack) + 1;
 
-/// Two frames on two bodies, with the masses that make K of each.
+/// Two frames on two bodies, with the masses from which K is made.
 struct Pair {
     Transform pose[2];
     Transform frame[2]; ///< in the body
     BodyStep step[2];
     JointDef def;
-    double travel[2]; ///< turns and ways for gears and racks
+    double travel[2]; ///< angles and distances of gears and racks
 };
 
 Pair pair_of(Draw& draw, bool nearly_together) {
@@ -66,14 +67,14 @@ JointPlace place(const Pair& p, const Transform& a, const Transform& b) {
     return j;
 }
 
-/// Moved by v h and turned by w h.
+/// A pose after a translation by v h and a rotation by w h.
 Transform moved(const Transform& t, D3 v, D3 w, double h) {
     return {t.position + vec(h * v), integrate_rotation(t.rotation, vec(h * w))};
 }
 
 double value(const Scaled3& v, int i) { return std::ldexp(static_cast<double>(v.m[i]), -v.fraction_bits); }
 
-/// J (v, K w) of one body.
+/// J (v, K w) for one body.
 double along(const Scaled3& d, const Scaled3& x, const BodyStep& step, D3 v, D3 w) {
     const D3 u = d3(mul<Real>(step.gyration, vec(w)));
     double sum = 0;
@@ -82,7 +83,7 @@ double along(const Scaled3& d, const Scaled3& x, const BodyStep& step, D3 v, D3 
     return sum;
 }
 
-/// Gears and racks measure turns, not poses: their rate is what their definition says.
+/// Gears and racks measure travel, not poses: their rate follows from their definition.
 double rate_of_turns(const Pair& p, RowKind kind, const JointPlace& j, const D3 v[2], const D3 w[2]) {
     const D3 xa = d3(to<Real>(j.a.axes.x)), xb = d3(to<Real>(j.b.axes.x));
     const double ratio = to_double(p.def.ratio);
@@ -90,9 +91,10 @@ double rate_of_turns(const Pair& p, RowKind kind, const JointPlace& j, const D3 
     return dot(xa, w[0]) - ratio * dot(xb, v[1] + cross(w[1], d3(j.b.lever)));
 }
 
-/// Largest difference between J v and dC/dt over random motions, of one kind of row.
+/// The largest difference between J v and dC/dt of one kind of row, over random motions.
 double derivative_error(RowKind kind, Draw& draw, double flip) {
-    // Locks are derivatives where they hold: twice the sine of half an angle turns at the rate of the angle.
+    // Locks are derivatives only where they are closed: twice the sine of half an angle changes at the rate of the
+    // angle.
     const bool lock = kind >= RowKind::orientation_x && kind <= RowKind::target_z;
     double worst = 0;
     for (int round = 0; round < rounds(20, 400); ++round) {
@@ -145,7 +147,7 @@ TEST_CASE("planted fault: a Jacobian with the sign of body A turned round is fou
 
 namespace {
 
-/// Largest entry of inverse * k - 1 for the given number of rows.
+/// The largest entry of inverse * k - 1 for this number of rows.
 double inverse_error(Draw& draw, int count, double damage) {
     double worst = 0;
     for (int round = 0; round < rounds(200, 5000); ++round) {
@@ -218,7 +220,8 @@ TEST_CASE("rows that say the same twice share the impulse instead of dividing by
 TEST_CASE("rows keep their bits from a lever of 127 m on 1 mm to a body of 10 km") {
     for (const auto& [gyration, lever] :
          {std::pair{1e-3, 127.0}, {1e-3, 1e-3}, {1.0, 1.0}, {1e4, 127.0}, {1e4, 0.0}}) {
-        const double radius = gyration, reach = lever; // clang 14: no lambda sees a structured binding
+        // clang 14: a lambda cannot capture a structured binding
+        const double radius = gyration, reach = lever;
         CAPTURE(radius);
         CAPTURE(reach);
         Rig rig;

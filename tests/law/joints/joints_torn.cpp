@@ -1,4 +1,5 @@
-// A hinge whose axes get further apart than 45 degrees in the middle of a tick has other rows from there on (solve/joints/joint_parts.h).
+// A hinge uses other rows from the moment within a tick at which its axes are more than 45 degrees apart
+// (solve/joints/joint_parts.h).
 #include "support/rigs/torn_hinge.h"
 
 #include <doctest/doctest.h>
@@ -16,6 +17,6 @@ TEST_CASE("a hinge that is torn apart within a tick pulls as the same six axes d
             REQUIRE(hinge.closeness() < 0.7_r);
             const Real wanted = axes.torque();
             CHECK(wanted > 100000000_r);
-            CHECK(abs(hinge.torque() - wanted) < wanted / Real(100)); // rounding alone
+            CHECK(abs(hinge.torque() - wanted) < wanted / Real(100)); // rounding only
         }
 }

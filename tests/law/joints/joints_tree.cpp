@@ -1,5 +1,5 @@
-// Locks of trees of joints: solved at once as a dense solution in double does, at any ratio of masses that the factor
-// has bits for, and calmly beyond.
+// Locks of trees of joints: the solver agrees with a dense solution in double precision at any mass ratio within the
+// range of the factor, and remains stable beyond.
 #include "draw.h"
 #include "solve/joints/tree/block_matrix.h"
 #include "support/about.h"
@@ -23,7 +23,7 @@ int rounds(int quick, int thorough) { return std::getenv("LOCKSTONE_LONG") != nu
 using Numbers = std::vector<double>;
 using Table = std::vector<Numbers>;
 
-/// x of a x = b, by elimination with pivots; directions without any are left out.
+/// Solves a x = b by elimination with pivots; leaves out directions without a pivot.
 Numbers dense_solve(Table a, Numbers b) {
     const std::size_t n = b.size();
     double largest = 0;
@@ -92,12 +92,12 @@ Numbers less(const Numbers& a, const Numbers& b) {
     for (std::size_t i = 0; i < a.size(); ++i) out[i] = a[i] - b[i];
     return out;
 }
-/// (2 kinetic energy)^(1/2): the size of a motion that does not know units or masses.
+/// (2 kinetic energy)^(1/2): the size of a motion, independent of units and masses.
 double size(const Rig& rig, const Numbers& motion) {
     return std::sqrt(dot(motion, times_mass(rig, motion, 1)));
 }
 
-/// One row over all bodies: B pulled along `along` at its anchor and turned about `about`, A the other way.
+/// One row over all bodies: pulls B along `along` at its anchor and turns it about `about`; A the opposite way.
 Numbers row(const Rig& rig, std::uint32_t j, D3 along, D3 about) {
     Numbers out(6 * rig.info.size());
     const auto side = [&](std::uint32_t b, double sign, D3 anchor) {
@@ -111,7 +111,7 @@ Numbers row(const Rig& rig, std::uint32_t j, D3 along, D3 about) {
     return out;
 }
 
-/// The locks of joint j, whose frames coincide; of a distance along the line between them.
+/// The locks of joint j, whose frames coincide; for a distance, the row along its line.
 Table rows_of(const Rig& rig, std::uint32_t j) {
     const Rotation r = to_rotation(rig.frame_a(j).rotation);
     const D3 axes[3] = {d3(r.x), d3(r.y), d3(r.z)};
@@ -164,18 +164,19 @@ JointDef drawn_joint(Draw& draw) {
     }
 }
 
-/// Bodies hung on bodies before them; masses up to a ratio; in motion.
+/// A random tree: each body hangs on an earlier one; masses up to a ratio; in motion.
 Rig drawn_tree(Draw& draw, int bodies, double ratio, bool anchored) {
     Rig rig;
     rig.gravity = {};
     for (int i = 0; i < bodies; ++i) {
         const std::uint32_t on = i == 0 ? Rig::world : static_cast<std::uint32_t>(draw.below(i));
         const D3 at = i == 0 ? D3{} : rig.x(on) + draw.vector(1);
-        // One draw a statement: compilers evaluate arguments in orders of their own, and would draw other trees.
+        // One draw per statement: the order of evaluation of arguments depends on the compiler, and would give other
+        // trees.
         const double kg = std::pow(ratio, draw(0, 1));
         const D3 gyration{draw(0.2, 0.5), draw(0.2, 0.5), draw(0.2, 0.5)};
         const std::uint32_t b = rig.add(kg, gyration, at, draw.rotation());
-        const double fast = std::min(2.0, 1000 / ratio); // impulses have their range
+        const double fast = std::min(2.0, 1000 / ratio); // impulses are bounded
         rig.velocity[b] = {to<Speed>(vec(draw.vector(fast))), to<Speed>(vec(draw.vector(fast)))};
         if (i == 0 && !anchored) continue;
         if (draw.below(5) == 0) {
@@ -193,8 +194,8 @@ Rig drawn_tree(Draw& draw, int bodies, double ratio, bool anchored) {
     return rig;
 }
 
-/// How far the engine is from the dense solution after so many passes, as part of what the locks take away. Light trees are
-/// solved at once too.
+/// The distance of the engine's motion from the dense solution after so many passes, relative to the motion that the
+/// locks remove. Light trees also use the direct solver here.
 double off_after(Rig& rig, const Table& rows, int passes) {
     StepConstants step = rig.constants();
     step.tree_load = Real{};
@@ -210,7 +211,7 @@ double widest(const Rig& rig) {
     return most;
 }
 
-/// Links of 0.5 m along x on the world, and a ball at their end.
+/// Links of 0.5 m along x, jointed to the world, and a ball at their end.
 Rig chain(int links, double link, double ball) {
     Rig rig;
     std::uint32_t last = Rig::world;
@@ -250,7 +251,7 @@ TEST_CASE("joint tree: a block's factor solves it") {
         Table b(static_cast<std::size_t>(n), Numbers(static_cast<std::size_t>(n)));
         for (Numbers& r : b)
             for (double& x : r) x = draw(-1, 1) * std::pow(2, -draw(0, 4));
-        Table a = b; // B B^T + a thousandth
+        Table a = b; // B B^T plus a thousandth
         double largest = 0;
         for (std::size_t i = 0; i < a.size(); ++i)
             for (std::size_t k = 0; k < a.size(); ++k) {
@@ -304,7 +305,7 @@ TEST_CASE("joint tree: pivots too small are refused or raised, and rows of zeros
 
 TEST_CASE("joint tree: three passes are the dense solution, whatever the masses") {
     struct Case {
-        /// At a ratio of 10000 speeds are small, for impulses have their range, and rounding shows
+        /// At a ratio of 10000 speeds are small, because impulses are bounded, and rounding is visible.
         double ratio, most;
     };
     for (const Case c : {Case{1, 1e-4}, Case{100, 1e-4}, Case{1e4, 5e-3}}) {
@@ -315,7 +316,7 @@ TEST_CASE("joint tree: three passes are the dense solution, whatever the masses"
             Rig rig = drawn_tree(draw, 3 + draw.below(10), c.ratio, draw.below(2) == 0);
             const Table rows = all_rows(rig);
             most = std::max(most, off_after(rig, rows, 3));
-            // planted: a joint that the engine does not have
+            // planted: a joint that the engine lacks
             const auto lost = static_cast<std::ptrdiff_t>(draw.below(static_cast<int>(rig.joints.size())));
             rig.joints.erase(rig.joints.begin() + lost), rig.defs.erase(rig.defs.begin() + lost);
             planted += off_after(rig, rows, 3) / count;
@@ -349,7 +350,7 @@ TEST_CASE("joint tree: a chain holds ten thousand times its link and gains no en
     const Swing s = swing(chain(20, 1, 10000), 240);
     CHECK(s.gap < 0.03);
     CHECK(s.energy_gain <
-          10000 * 9.81 * 0.05);     // the ball raised by five centimetres of the ten metres that it falls
+          10000 * 9.81 * 0.05);     // the ball raised by five centimetres of its fall of ten metres
     Rig torn = chain(20, 1, 10000); // planted: a joint is missing
     const D3 at = torn.x(10);
     torn.joints[10] = torn.joints[9], torn.defs[10] = torn.defs[9];
@@ -390,7 +391,7 @@ TEST_CASE("joint tree: a bridge that swings loses energy, and each joint bears w
     const double start = before;
     for (int second = 0; second < 6; ++second) {
         rig.run(60);
-        CHECK(rig.energy() < before + 1); // of some 30 kJ
+        CHECK(rig.energy() < before + 1); // of about 30 kJ
         before = rig.energy();
     }
     CHECK(before < start - 100);
@@ -436,13 +437,13 @@ TEST_CASE("joint tree: what is locked twice shares the load and stays") {
     Rig rig;
     const std::uint32_t door = rig.add(40, {0.05, 0.6, 0.3}, {0.5, 0, 0}),
                         handle = rig.add(1, {0.05, 0.05, 0.05}, {0.9, 0, 0});
-    const Quat up = turn({0, 0, 1}, 1.5707963267948966); // x of the frame upwards
+    const Quat up = turn({0, 0, 1}, 1.5707963267948966); // x of the frame points up
     for (const double y : {-0.8, 0.8}) rig.join(hinge_joint(), Rig::world, door, {0, y, 0}, up);
     rig.join(weld_joint(), door, handle, {0.9, 0, 0});
     rig.run(240);
     CHECK(length(rig.x(door) - D3{0.5, 0, 0}) < 1e-3);
     CHECK(to_double(rig.memory[0].force.y + rig.memory[1].force.y) == test::about(41 * 9.81, 0.01));
-    // the lower hinge is pushed, the upper one pulled: 41 kg half a metre out over 1.6 m
+    // the lower hinge is under pressure, the upper one under tension: 41 kg half a metre out over 1.6 m
     const double turning = 40 * 9.81 * 0.5 + 9.81 * 0.9;
     CHECK(std::abs(to_double(rig.memory[1].force.x)) < turning / 1.6 * 1.5);
     rig.joints.pop_back(), rig.joints.erase(rig.joints.begin()),

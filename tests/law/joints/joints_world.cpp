@@ -1,4 +1,5 @@
-// Joints as objects of a world: refused, listed, destroyed with their bodies, between bodies that sleep or touch.
+// Joints as objects of a world: refusals, lists, destruction with their bodies, joints between sleeping or touching
+// bodies.
 #include "support/about.h"
 #include "support/refusal.h"
 #include "support/rigs/joint_scenes.h"
@@ -56,7 +57,7 @@ TEST_CASE("a joint that cannot be is refused with a sentence that names the fiel
     CHECK(refusal_fault(w, DestroyJoint{{}}, "is not alive") == "");
     CHECK(refusal_fault(w, SetJointAxis{joint, 0, 0, {.lower = Real(1)}}, "lower is 1") == "");
     CHECK(refusal_fault(w, CreateJoint{between(a, b)}, "") ==
-          "create_joint was accepted"); // planted: a good one
+          "create_joint was accepted"); // planted: a valid one
 }
 
 TEST_CASE("random making and destroying of joints and bodies: every list holds exactly its joints") {
@@ -121,7 +122,7 @@ TEST_CASE("the frames of a joint can be moved: a weld to the world follows its p
     done(w.set_joint_frames(joint, at(2, 1, 0), Transform::identity()));
     for (int t = 0; t < 240; ++t) w.tick();
     CHECK(position(w, b)[0] == test::about(2, 0.01));
-    CHECK(position(w, b)[1] == test::about(1, 0.05)); // it gives a little
+    CHECK(position(w, b)[1] == test::about(1, 0.05)); // it gives way a little
     CHECK((w.joint(joint).frame_a == at(2, 1, 0)));
 }
 
@@ -133,7 +134,7 @@ struct Chain {
     World world;
     std::vector<BodyId> bodies;
 };
-/// Crates side by side on a floor, each joined to the next where they touch.
+/// Crates side by side on a floor, each joined to the next one half way between them.
 Chain chain_on_floor(int count, bool joined) {
     WorldDef def = small_def();
     def.sleeping = 1;
@@ -155,7 +156,7 @@ TEST_CASE("joined bodies fall asleep in the same tick and wake together") {
         Chain c = chain_on_floor(5, joined);
         for (int t = 0; t < 20; ++t) c.world.tick();
         done(c.world.add_impulse(c.bodies[4],
-                                 vec(0, 0, 200))); // stirs the last one: the others wait for it, if joined
+                                 vec(0, 0, 200))); // moves the last one; joints keep the others awake
         int first = -1, last = -1;
         for (int t = 20; t < 300 && last < 0; ++t) {
             c.world.tick();

@@ -13,7 +13,7 @@ namespace {
 
 double from_bits(std::uint64_t bits) { return std::bit_cast<double>(bits); }
 
-/// Nearest, ties to even, by MPFR.
+/// Rounds to the nearest step, ties to even, by MPFR.
 template <FixedPoint T> T quantized_by_mpfr(double value) {
     Exact exact;
     mpfr_set_d(exact.value, value, MPFR_RNDN);
@@ -24,7 +24,7 @@ template <FixedPoint T> T quantized_by_mpfr(double value) {
     return T::from_raw(static_cast<typename T::rep>(mpfr_get_sj(exact.value, MPFR_RNDN)));
 }
 
-/// The usual way: fails on ties, on the range and in other rounding modes.
+/// The usual conversion: it is wrong on ties, beyond the range and in other rounding modes.
 template <FixedPoint T> T quantized_naively(double value) {
     const double scaled = std::ldexp(value, T::fraction_bits) + 0.5;
     if (!(scaled < 9.2e18 && scaled > -9.2e18)) return T{};
@@ -48,14 +48,14 @@ TEST_CASE_TEMPLATE("quantize is nearest, ties to even, clamped, for every kind o
         const std::uint64_t exponent = static_cast<std::uint64_t>(random.range(1023 - 70, 1023 + 70));
         check(from_bits(((mantissa & ((std::uint64_t{1} << 52) - 1)) | exponent << 52) ^
                         (random.next_u64() & (std::uint64_t{1} << 63))));
-        // Halves of steps.
+        // Half steps.
         check(std::ldexp(static_cast<double>(any_magnitude(random, 40)), -T::fraction_bits - 1));
     }
     for (std::uint64_t bits :
          {0ull, 1ull, 0x000fffffffffffffull, 0x0010000000000000ull, 0x7fefffffffffffffull})
         for (std::uint64_t sign : {0ull, 0x8000000000000000ull}) check(from_bits(bits | sign));
     CHECK(bad == 0);
-    CHECK(naive > 1000); // planted fault: adding a half and cutting off
+    CHECK(naive > 1000); // planted fault: adding a half and truncating
 }
 
 TEST_CASE("infinities clamp and NaN is zero, whatever the compiler assumes about them") {
@@ -111,7 +111,7 @@ TEST_CASE("vectors, quaternions and poses keep their order") {
     CHECK(quantize_quat({0, 0, 0, 1}) == Quat::identity());
     const Transform quarter_about_z{v, from_axis_angle({Unit{}, Unit{}, unit_one}, half_pi)};
     const std::array<float, 16> m = to_float_matrix(quarter_about_z);
-    CHECK(m[1] == 1.0f); // x goes to y
+    CHECK(m[1] == 1.0f); // x becomes y
     CHECK(m[4] == -1.0f);
     CHECK(m[12] == 1.0f);
     CHECK(m[13] == -2.0f);

@@ -17,7 +17,7 @@ using MpfrFunction = int (*)(mpfr_ptr, mpfr_srcptr, mpfr_rnd_t);
 
 double steps(int thousandths) { return thousandths / 1000.0; }
 
-/// Values of every magnitude up to 2^bits steps, and the edges in that range.
+/// Values of every magnitude up to 2^bits steps, and the edges of that range.
 std::vector<Real> arguments(int count, int bits, bool positive = false) {
     std::vector<Real> all;
     const auto add = [&](std::int64_t raw) {
@@ -31,7 +31,7 @@ std::vector<Real> arguments(int count, int bits, bool positive = false) {
     return all;
 }
 
-/// Distance of f(x) + fault from the MPFR function, less the relative allowance 2^-relative_bits of the result.
+/// The distance of f(x) + fault from the MPFR function, less the relative tolerance of 2^-relative_bits of the result.
 Sweep against_mpfr(const std::vector<Real>& xs, Real (*f)(Real), MpfrFunction reference, int bound,
                    int relative_bits = 0, std::int64_t fault = 0) {
     Sweep sweep;
@@ -47,7 +47,7 @@ Sweep against_mpfr(const std::vector<Real>& xs, Real (*f)(Real), MpfrFunction re
     return sweep;
 }
 
-/// The same against long double, which is quicker: good where 64 bits leave room below a step.
+/// The distance from a long double function, which is faster: valid where 64 bits leave bits below a step.
 Sweep against_long_double(const std::vector<Real>& xs, Real (*f)(Real), long double (*reference)(long double),
                           int bound) {
     Sweep sweep;
@@ -64,7 +64,7 @@ void check_function(const char* name, Real (*f)(Real), MpfrFunction reference, c
     const Sweep sweep = against_mpfr(xs, f, reference, bound, relative_bits);
     INFO("worst " << sweep.worst << " steps in " << sweep.count);
     CHECK(sweep.failures == 0);
-    // Planted fault: two steps too much must not pass. Clamped results and large relative allowances hide it.
+    // Planted fault: two steps too much must fail. Clamped results and large relative tolerances hide the fault.
     const Sweep faulty = against_mpfr(xs, f, reference, bound, relative_bits, 2);
     CHECK(faulty.failures > faulty.count / 2);
 }
@@ -113,7 +113,7 @@ TEST_CASE("tangent is within its bound, which grows beside the poles") {
     Exact exact;
     Sweep sweep, faulty;
     std::vector<Real> xs = arguments(points(40000), 63);
-    for (int k = -300; k < 300; ++k) xs.push_back(half_pi + Real::from_raw(k)); // the pole itself
+    for (int k = -300; k < 300; ++k) xs.push_back(half_pi + Real::from_raw(k)); // at the pole
     for (Real x : xs) {
         const Real t = tan(x);
         const double size = std::ldexp(static_cast<double>(t.raw), -32);
@@ -242,7 +242,7 @@ TEST_CASE("powers of zero and of negative numbers are defined") {
 
 namespace {
 
-/// Distance of a table entry from f(numerator / denominator) in its own steps.
+/// The distance of a table entry from f(numerator / denominator), in its own steps.
 double table_error(std::int64_t entry, MpfrFunction f, long numerator, long denominator) {
     Exact exact;
     mpfr_set_si(exact.value, numerator, MPFR_RNDN);

@@ -62,7 +62,7 @@ Mat3 symmetric(Mat3 m) {
     return m;
 }
 
-/// |R D R^T - m|, with the axes as they are stored.
+/// |R D R^T - m| with the stored axes.
 long double reconstruction_error(const Mat3& m, const Diagonal& d) {
     const Rotation r = to_rotation(d.axes);
     const UnitVec3 axes[3] = {r.x, r.y, r.z};
@@ -136,7 +136,7 @@ TEST_CASE("a symmetric matrix is put together again from its values and axes") {
     for (int i = 0; i < points(30000); ++i) {
         const Mat3 m = symmetric(any_matrix(random, random.range(std::int32_t{26}, 60)));
         Diagonal d = diagonalize(m);
-        // Axes are stored with 2^-30 steps: a quaternion is off by 2 of them at most, a matrix entry by 8.
+        // Axes are stored with steps of 2^-30: a quaternion is off by at most 2 of them, a matrix entry by 8.
         const long double allowed = norm(of(m)) * 10 * 0x1p-30L + 4 * step,
                           error = reconstruction_error(m, d);
         worst = std::max(worst, error / norm(of(m)) * 0x1p30L);

@@ -1,4 +1,4 @@
-// What the math tests share: operands that reach every corner, and a reference that is not ours (MPFR).
+// Shared parts of the math tests: operands at all edges, and an independent reference (MPFR).
 #pragma once
 
 #include "lockstone/math/math.h"
@@ -42,7 +42,7 @@ inline std::int64_t any_magnitude(Random& random, int bits_max = 63) {
     return (random.next_u32() & 1u) != 0 ? v : -v;
 }
 
-/// An extended real of 160 bits.
+/// A real number of 160 bits.
 struct Exact {
     mpfr_t value, other;
     Exact() { mpfr_inits2(160, value, other, static_cast<mpfr_ptr>(nullptr)); }
@@ -54,7 +54,7 @@ struct Exact {
         mpfr_set_sj(value, raw, MPFR_RNDN);
         mpfr_div_2si(value, value, fraction_bits, MPFR_RNDN);
     }
-    /// |raw - value * 2^fraction_bits| in steps, the value clamped to the range of 64 bits first. Spoils the value.
+    /// |raw - value * 2^fraction_bits| in steps, after the value is clamped to the range of 64 bits. Changes the value.
     double steps_off(std::int64_t raw, int fraction_bits) {
         mpfr_mul_2si(value, value, fraction_bits, MPFR_RNDN);
         if (mpfr_cmp_d(value, 9223372036854775807.0) >= 0)
@@ -70,7 +70,7 @@ struct Exact {
 inline long double value_of(Real x) { return static_cast<long double>(x.raw) / 4294967296.0L; }
 inline long double value_of(Unit x) { return static_cast<long double>(x.raw) / 1073741824.0L; }
 
-/// How a sweep went: how many results were outside their bound, and the largest distance in steps.
+/// The result of a sweep: how many results were outside their bound, and the largest distance in steps.
 struct Sweep {
     long failures = 0, count = 0;
     double worst = 0;

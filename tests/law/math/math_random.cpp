@@ -10,7 +10,7 @@ using namespace oracle;
 
 namespace {
 
-/// Chi-square of counts against equal shares, as distance from its mean in standard deviations.
+/// Chi-square of counts against equal shares: the distance from its mean, in standard deviations.
 template <std::size_t N> double unevenness(const std::array<long, N>& counts, long total) {
     const double expected = static_cast<double>(total) / static_cast<double>(N);
     double sum = 0;
@@ -128,7 +128,8 @@ TEST_CASE("integer ranges are even and closed, also where a remainder would favo
     const long throws = points(600000);
     for (long i = 0; i < throws; ++i) ++dice[static_cast<std::size_t>(r.range(1, 6) - 1)];
     CHECK(std::fabs(unevenness(dice, throws)) < 6);
-    // 3 * 2^30 outcomes from 2^32: a plain remainder would give the first third twice the share of each other third.
+    // 3 * 2^30 outcomes from 2^32: a plain remainder would make each value of the first third twice as likely as the
+    // others.
     std::array<long, 3> thirds{}, biased{};
     const std::uint32_t count = 3u << 30;
     for (long i = 0; i < throws; ++i) {

@@ -20,7 +20,7 @@ bool is_floor_root(std::uint64_t n, std::uint64_t s) {
     const Wide wide = Wide::product_unsigned(n, 1);
     return s <= 0xffffffffu && !(wide < square) && wide < next;
 }
-/// For n below 2^127.
+/// Valid for n below 2^127.
 bool is_floor_root(Wide n, std::uint64_t s) {
     const Wide square = Wide::product_unsigned(s, s);
     const Wide rest = n - square;
@@ -38,7 +38,7 @@ std::uint64_t normalised(std::uint64_t n) {
     return n == 0 ? std::uint64_t{1} << 62 : n << (std::countl_zero(n) & ~1);
 }
 
-/// Around each perfect square, each power of two, and anywhere.
+/// Values around each perfect square, around each power of two, and random ones.
 std::vector<std::uint64_t> operands(int count) {
     std::vector<std::uint64_t> all;
     for (std::int64_t v : edges<std::int64_t>()) all.push_back(static_cast<std::uint64_t>(v));
@@ -62,8 +62,7 @@ TEST_CASE("the integer root is the floor, estimated and in integers alone") {
         planted += is_floor_root(n, detail::estimate_sqrt(n)) ? 0 : 1;
     }
     CHECK(bad == 0);
-    CHECK(planted >
-          100); // planted fault: the estimate without its proof is wrong at times, and the check sees it
+    CHECK(planted > 100); // planted fault: the estimate without its correction is sometimes wrong
 }
 
 TEST_CASE("roots taken many at once are those taken alone") {
@@ -129,7 +128,7 @@ TEST_CASE("any guess whatever gives the same root") {
         }
     }
     CHECK(bad == 0);
-    CHECK(unproved > 100000); // planted fault: taking the guess as it is fails
+    CHECK(unproved > 100000); // planted fault: the guess itself is wrong
 }
 
 TEST_CASE(
@@ -152,7 +151,7 @@ TEST_CASE(
 }
 
 namespace {
-/// Wrong square roots, inverse roots and reciprocals of one value.
+/// Counts the wrong square roots, inverse roots and reciprocals of one value.
 template <FixedPoint T> int wrong_roots(T x, std::int64_t fault) {
     int bad = 0;
     const std::int64_t root = add_saturated(sqrt(x).raw, fault), inv = add_saturated(inv_sqrt(x).raw, fault);
@@ -160,7 +159,7 @@ template <FixedPoint T> int wrong_roots(T x, std::int64_t fault) {
     const std::uint64_t largest = static_cast<std::uint64_t>(T::max().raw);
     const bool too_large = Wide::product_unsigned(largest, largest) < n;
     bad += (too_large ? root != T::max().raw : !is_nearest_root(n, static_cast<std::uint64_t>(root))) ? 1 : 0;
-    // 2^(3f/2) / sqrt(raw), in long double: 64 bits, so good for any result here.
+    // 2^(3f/2) / sqrt(raw) in long double: its 64 bits suffice for every result here.
     static const long double scale = std::exp2(1.5L * T::fraction_bits);
     const long double exact = scale / std::sqrt(static_cast<long double>(x.raw));
     const long double inverse = std::fmin(exact, static_cast<long double>(T::max().raw));
@@ -203,7 +202,7 @@ namespace {
 template <FixedPoint T> Vector3<T> any_vector(Random& random) {
     constexpr int bits = std::numeric_limits<typename T::rep>::digits;
     Vector3<T> v{};
-    const int shift = random.range(std::int32_t{0}, bits - 1); // tiny ones too
+    const int shift = random.range(std::int32_t{0}, bits - 1); // also tiny values
     for (int i = 0; i < 3; ++i)
         v[i] = T::from_raw(static_cast<typename T::rep>(any_magnitude(random, bits) >> shift));
     return v;
@@ -327,7 +326,7 @@ std::uint64_t digest() {
     return hash;
 }
 
-/// What a library on hardware rounding would have: depends on the mode.
+/// A digest of hardware floating point, which depends on the rounding mode.
 std::uint64_t hardware_digest() {
     volatile double three = 3.0;
     double sum = 0;
@@ -348,7 +347,7 @@ TEST_CASE("rounding modes and flushed denormals of the host change nothing") {
         std::fesetround(before);
         CHECK(here == expected);
     }
-    CHECK(hardware_differs); // planted fault: the modes were in force
+    CHECK(hardware_differs); // planted fault: the modes took effect
 #if defined(__SSE2__)
     const unsigned control = _mm_getcsr();
     _mm_setcsr(control | 0x8040u); // flush to zero, denormals are zero

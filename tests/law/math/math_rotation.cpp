@@ -7,7 +7,7 @@ using namespace oracle;
 
 namespace {
 
-/// The same algebra in long double.
+/// The quaternion algebra in long double.
 struct Reference {
     long double x, y, z, w;
 };
@@ -36,7 +36,7 @@ double steps_apart(Quat q, Reference r) {
         worst = std::fabs(d) > worst ? std::fabs(d) : worst;
     return static_cast<double>(worst);
 }
-/// The same for rotations, where q and -q are one.
+/// The difference of rotations, for which q and -q are equal.
 double rotation_steps_apart(Quat q, Reference r) {
     return std::fmin(steps_apart(q, r), steps_apart(q, negated(r)));
 }
@@ -57,7 +57,7 @@ template <FixedPoint T> long double value(T x) {
     return std::ldexp(static_cast<long double>(x.raw), -T::fraction_bits);
 }
 
-/// integrate_rotation against the exponential map for turns of about 2^-k.
+/// The error of integrate_rotation against the exponential map, for turns of about 2^-k.
 template <FixedPoint T> Sweep integration_errors(int count, int fault) {
     Sweep sweep;
     Random random = Random::seeded(30);
@@ -127,7 +127,7 @@ TEST_CASE("from_to takes one direction to the other, equal, near and opposite on
         check(a, b);
         check(a, a);
         check(a, -a);
-        // Off the opposite direction by 2^-2 down to 2^-29.
+        // 2^-2 down to 2^-29 away from the opposite direction.
         const int off = random.range(std::int32_t{2}, 29);
         check(a, normalized(-a + any_perpendicular(a) * shift_right(unit_one, off)));
         check(a, normalized(a + any_perpendicular(a) * shift_right(unit_one, off)));
@@ -161,7 +161,7 @@ TEST_CASE("a quaternion comes back from its matrix") {
     INFO("worst " << sweep.worst);
     CHECK(sweep.failures == 0);
     CHECK(from_rotation(Rotation::identity()) == Quat::identity());
-    for (int axis = 0; axis < 3; ++axis) { // half turns, where w vanishes
+    for (int axis = 0; axis < 3; ++axis) { // half turns, where w is zero
         UnitVec3 n{};
         n[axis] = unit_one;
         const Quat half_turn{n.x, n.y, n.z, Unit{}};
@@ -244,7 +244,7 @@ TEST_CASE("a turn of an arbitrary quaternion does not overflow") {
 
 namespace {
 
-/// The angle error after ten minutes at 240 turns a second.
+/// The angle error after ten minutes of 240 steps a second.
 double drift(Quat (*advance)(Quat, Vector3<Separation>), double rate) {
     Quat q = Quat::identity();
     Reference r{0, 0, 0, 1};
@@ -261,7 +261,7 @@ double drift(Quat (*advance)(Quat, Vector3<Separation>), double rate) {
     return angle_between(q, r);
 }
 
-/// What a half turn rounded to the step of a Unit first would do.
+/// Integrates with a half turn that is first rounded to the step of a Unit.
 Quat advance_coarsely(Quat q, Vector3<Separation> v) {
     const Quat turn{to<Unit>(half(v.x)), to<Unit>(half(v.y)), to<Unit>(half(v.z)), unit_one};
     return normalized(turn * q);
@@ -279,5 +279,5 @@ TEST_CASE("ten minutes of turning at 240 Hz drift less than 5 microradians, at a
     }
     INFO("worst " << worst << " rad");
     CHECK(worst < 5e-6);
-    CHECK(coarse > 1e-5); // planted fault: the same without the extra bits
+    CHECK(coarse > 1e-5); // planted fault: without the extra bits
 }

@@ -9,14 +9,14 @@
 using namespace lockstone;
 using namespace oracle;
 
-// Literals are the nearest value, ties to even, decided by the compiler.
+// The compiler rounds literals to the nearest value, ties to even.
 static_assert((1_r).raw == std::int64_t{1} << 32);
 static_assert((0.5_r).raw == std::int64_t{1} << 31);
 static_assert((0.1_r).raw == 429496730);
-static_assert((0.00000000011641532182693481445312_r).raw == 0);  // a hair below half a step
-static_assert((0.000000000116415321826934814453125_r).raw == 0); // 2^-33: half a step, to the even 0
+static_assert((0.00000000011641532182693481445312_r).raw == 0);  // slightly below half a step
+static_assert((0.000000000116415321826934814453125_r).raw == 0); // 2^-33: half a step, rounds to the even 0
 static_assert((0.00000000011641532182693481445313_r).raw == 1);
-static_assert((0.000000000349245965480804443359375_r).raw == 2); // one and a half: to the even 2
+static_assert((0.000000000349245965480804443359375_r).raw == 2); // one and a half steps: rounds to the even 2
 static_assert((2'147'483'647.99999999976716935634613037109375_r) == Real::max());
 static_assert(parse_decimal<Real>("-2147483648").value == Real::min());
 static_assert(decimal<Unit>("-2") == Unit::min());
@@ -29,7 +29,7 @@ static_assert(constants::e.raw == 11674931555);
 
 namespace {
 
-/// Mismatches of T's operators against their definition in 128 bits on (a, b).
+/// Counts the differences of T's operators from their definition in 128 bits, on (a, b).
 template <FixedPoint T> int wrong_operators(T a, T b, T product) {
     constexpr int f = T::fraction_bits;
     const auto clamped = [](std::int64_t v) {
@@ -46,7 +46,7 @@ template <FixedPoint T> int wrong_operators(T a, T b, T product) {
     bad += product != clamped(saturate_to_int64((exact + (Wide::from(1) << (f - 1))) >> f)) ? 1 : 0;
     bad += a / b != clamped(divide_shifted(a.raw, b.raw, f)) ? 1 : 0;
     bad += (a < b) != (a.raw < b.raw) ? 1 : 0;
-    // Laws that clamping keeps.
+    // Laws that remain true with clamping.
     bad += a * b != b * a || a + b != b + a || a * T::from_raw(0) != T{} ? 1 : 0;
     bad += abs(a) < T{} || max(a, b) < min(a, b) || clamp(a, min(a, b), max(a, b)) != a ? 1 : 0;
     bad += mul_add(a, b, T{}) != a * b || mul<T>(a, b) != a * b ? 1 : 0;
@@ -121,7 +121,7 @@ TEST_CASE("a change of format rounds once and clamps") {
         const std::int64_t nearest = saturate_to_int64((Wide::from(x.raw) + Wide::from(2)) >> 2);
         bad += to<Unit>(x).raw != saturate_to_int32(nearest) ? 1 : 0;
         const Unit u = Unit::from_raw(static_cast<std::int32_t>(any_magnitude(random, 31)));
-        bad += to<Unit>(to<Real>(u)) != u ? 1 : 0; // a finer format gives back what it got
+        bad += to<Unit>(to<Real>(u)) != u ? 1 : 0; // a conversion to a finer format is reversible
     }
     CHECK(bad == 0);
 }
@@ -177,7 +177,7 @@ TEST_CASE_TEMPLATE("the exact text has all digits, the shortest one reads back a
         if (shortest.size() > exact.size()) ++too_long;
         const std::size_t point = shortest.find('.');
         if (point == std::string::npos) continue;
-        // Neither cutting the last digit off nor counting the one before up reads back.
+        // A text without its last digit, or with the digit before it one higher, must not read back.
         std::string shorter = shortest.substr(0, shortest.size() - 1);
         too_long += parse_decimal<T>(shorter).value == x ? 1 : 0;
         if (shorter.back() >= '0' && shorter.back() < '9') {

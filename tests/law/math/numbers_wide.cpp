@@ -13,7 +13,7 @@ bool same(WidePortable p, WideNative n) {
     return p.low_bits() == n.low_bits() && p.high_bits() == n.high_bits();
 }
 
-/// Disagreements of the two wide types over every operation on these operands.
+/// Counts the disagreements of the two wide types over every operation on these operands.
 template <class Portable> int disagreements(std::int64_t a, std::int64_t b, std::int64_t c, int shift) {
     int count = 0;
     const auto check = [&](Portable p, WideNative n) { count += same(p, n) ? 0 : 1; };
@@ -39,7 +39,7 @@ template <class Portable> int disagreements(std::int64_t a, std::int64_t b, std:
     return count;
 }
 
-/// The portable type with a carry that is lost.
+/// The portable type with a lost carry.
 struct LostCarry : WidePortable {
     constexpr LostCarry(WidePortable w) : WidePortable(w) {}
     friend constexpr LostCarry operator+(LostCarry a, LostCarry b) {
@@ -70,14 +70,14 @@ template <class Portable> long disagreements_at_random(int count) {
 
 #endif
 
-/// floor(w / 2^shift + 1/2), clamped: step by step.
+/// floor(w / 2^shift + 1/2), clamped, one operation at a time.
 template <class W> std::int64_t narrowed(W w, int shift) {
     if (shift == 0) return saturate_to_int64(w);
     const bool up = ((w >> (shift - 1)).low_bits() & 1u) != 0;
     return saturate_to_int64((w >> shift) + W::from(up ? 1 : 0));
 }
 
-/// Disagreements of a type with that, where the compiler knows the shift.
+/// Counts the disagreements of a type with narrowed() for a compile-time shift.
 template <class W, int shift> long misses_of_shift() {
     long bad = 0;
     for (const std::int64_t a : edges<std::int64_t>())
@@ -97,7 +97,7 @@ template <class W> long misses_of_shifts() {
            misses_of_shift<W, 126>();
 }
 
-/// Whether q is floor(n 2^shift / d + 1/2), clamped, by the definition: 2 q d <= 2 n 2^shift + d < 2 (q + 1) d.
+/// Returns whether q is floor(n 2^shift / d + 1/2), clamped, by the definition: 2 q d <= 2 n 2^shift + d < 2 (q + 1) d.
 bool is_rounded_quotient(std::int64_t n, std::int64_t d, int shift, std::int64_t q) {
     if (d < 0) {
         if (n == std::numeric_limits<std::int64_t>::min() || d == std::numeric_limits<std::int64_t>::min())
@@ -180,7 +180,7 @@ TEST_CASE("a shifted division is rounded by its definition and clamped") {
         check(n, d, random.range(std::int32_t{0}, 61));
     }
     CHECK(bad == 0);
-    CHECK(planted > 100000); // planted fault: one off is not accepted
+    CHECK(planted > 100000); // planted fault: one off must fail
     CHECK(divide_shifted(5, 0, 32) == std::numeric_limits<std::int64_t>::max());
     CHECK(divide_shifted(-5, 0, 32) == std::numeric_limits<std::int64_t>::min());
     CHECK(divide_shifted(0, 0, 32) == 0);

@@ -59,7 +59,7 @@ TEST_CASE("one press is one jump; a press just before landing or just after an e
     count(50);
     drive(w, c, 0, 0, false);
     count(8);
-    drive(w, c, 0, 0, true); // a few ticks before it is back: 2 v / g are 61
+    drive(w, c, 0, 0, true); // a few ticks before it lands: 2 v / g is 61
     count(30);
     CHECK(jumps == 3);
     drive(w, c, 0, 0, false);
@@ -101,7 +101,7 @@ TEST_CASE("a slope that is too steep lets a character slide down, not up, and no
     }
     run(w, 120);
     CHECK(feet(w, c)[1] == test::about(skin, 0.2));
-    // Neither does running and jumping at it get one up.
+    // Running and jumping at the slope does not help either.
     for (int i = 0; i < 10; ++i) {
         drive(w, c, 8, 0, i % 2 == 0);
         run(w, 30);
@@ -126,7 +126,7 @@ TEST_CASE("at 50 m/s nothing is passed through, however thin") {
         }
         CHECK(feet(w, c)[0] > 4.6);
     }
-    // Falling onto a thin floor.
+    // A fall onto a thin floor.
     World w = made(World::create(small_def()));
     add_wall(w, at(0, 0, 0), vec(5, 0.005, 5));
     CharacterDef def;
@@ -151,7 +151,8 @@ TEST_CASE("a one-way platform is jumped through from below and stood on from abo
     CHECK(stands(w, c));
     CHECK(feet(w, c)[1] == test::about(1.05 + skin, 0.001));
 
-    World solid = made(World::create(small_def())); // the twin: the same box, not one-way, is a ceiling
+    // negative control: a box that is not one-way is a ceiling
+    World solid = made(World::create(small_def()));
     add_floor(solid);
     add_wall(solid, at(0, 2.2, 0), vec(2, 0.05, 2));
     const CharacterId below = add_character(solid, 0, 0.01, 0, def);
@@ -182,7 +183,8 @@ TEST_CASE("made inside something, a character comes out") {
 
 namespace {
 
-/// How often a character that is dropped from `height` lands within three seconds, and how fast, by its events.
+/// The number of landings, by events, of a character that is dropped from `height`, within three seconds, and their
+/// speed.
 struct Landings {
     int count = 0;
     double speed = 0;
@@ -218,7 +220,7 @@ TEST_CASE("a character that lands says so once, with its ground and the speed of
         CHECK(l.count == 1);
         CHECK(l.speed == test::about(std::sqrt(2 * 9.81 * height), 0.05));
     }
-    CHECK(drop_from(2, true).speed > drop_from(2).speed + 0.8); // onto a lift that comes up
+    CHECK(drop_from(2, true).speed > drop_from(2).speed + 0.8); // onto a rising lift
 }
 
 TEST_CASE("planted fault: the speed of a fall from another height is found to be wrong") {

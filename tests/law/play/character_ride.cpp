@@ -1,4 +1,4 @@
-// Characters and what moves: platforms, doors, crates, balls, each other.
+// Characters and moving objects: platforms, doors, crates, balls, other characters.
 #include "support/about.h"
 #include "support/character_course.h"
 
@@ -22,7 +22,7 @@ struct Crate {
     CharacterId c;
     BodyId crate;
 };
-/// A character that is about to walk into a crate of 1 m with a mass and friction.
+/// A character that is about to walk into a crate of 1 m with this mass and friction.
 Crate crate_ahead(double mass, double friction, double push_force) {
     World w = made(World::create(small_def()));
     add_floor(w);
@@ -112,7 +112,7 @@ TEST_CASE("a door pushes a character ahead of it, and a wall behind keeps it out
 }
 
 TEST_CASE("a crate is pushed with at most push_force") {
-    // Without friction: acceleration push_force / mass, until it is as fast as the character.
+    // Without friction: the acceleration is push_force / mass, until the crate is as fast as the character.
     for (const double mass : {50.0, 400.0}) {
         Crate k = crate_ahead(mass, 0, 300);
         double before = 0, most = 0;
@@ -128,7 +128,7 @@ TEST_CASE("a crate is pushed with at most push_force") {
         if (mass == 50) CHECK(before == test::about(3, 0.02));
         CHECK(overlap(k.w, k.c) < 0.006);
     }
-    Crate strong = crate_ahead(50, 0, 3000); // the twin: more force, more acceleration
+    Crate strong = crate_ahead(50, 0, 3000); // negative control: more force, more acceleration
     double most = 0, before = 0;
     for (int i = 0; i < 60; ++i) {
         strong.w.tick();
@@ -139,7 +139,7 @@ TEST_CASE("a crate is pushed with at most push_force") {
 }
 
 TEST_CASE("friction holds what push_force is too weak for") {
-    Crate held = crate_ahead(100, 0.5, 400); // 490 N hold it
+    Crate held = crate_ahead(100, 0.5, 400); // friction holds it with up to 490 N
     run(held.w, 240);
     CHECK(std::abs(position(held.w, held.crate)[0] - 2) < 0.002);
     CHECK(overlap(held.w, held.c) == 0);
@@ -207,7 +207,8 @@ TEST_CASE("characters are obstacles to each other") {
     }
     const CharacterId ghost = add_character(w, -4, 0.01, 0, {.mask = 2});
     run(w, 10);
-    CHECK_FALSE(stands(w, ghost)); // the twin: what its mask leaves out is not there, the floor included
+    // negative control: it passes through shapes that its mask leaves out, the floor included
+    CHECK_FALSE(stands(w, ghost));
 }
 
 TEST_CASE("destroying what a character stands on or is made of leaves a good world") {
@@ -248,7 +249,7 @@ TEST_CASE("a conveyor carries a character at its own speed, in its own direction
             w.tick();
             CHECK(stands(w, c));
             const D3 way = feet(w, c) - before;
-            // A velocity across the surface drives nothing.
+            // A velocity across the surface moves no character.
             CHECK(std::abs(way[0]) < 1e-4);
             CHECK(std::abs(way[1] - 2.0 / 60 * std::sin(rise)) < 1e-4);
             CHECK(std::abs(way[2] + 2.0 / 60 * std::cos(rise)) < 1e-4);
@@ -279,7 +280,7 @@ TEST_CASE(
     drive(w, c, 0, 0, true);
     w.tick();
     CHECK(to_double(w.character_state(c).velocity.x) == test::about(3, 0.001));
-    // Off the end of the belt it comes to rest within v^2 / 2a = 0.075 m, and a tick.
+    // Beyond the end of the belt it comes to rest within v^2 / 2a = 0.075 m, and a tick.
     run(off, 120);
     CHECK(feet(off, c)[0] > 2);
     CHECK(feet(off, c)[0] < 2 + 0.3 + 0.075 + 0.05);

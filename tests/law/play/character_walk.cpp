@@ -12,7 +12,7 @@ namespace {
 
 constexpr double skin = 0.004; ///< [m], as in play/character/character_space.h
 
-/// How high it gets on a slope in two seconds at 4 m/s.
+/// Returns the height that a character reaches on a slope in two seconds at 4 m/s.
 double climbed(double degrees, double slope_max_degrees) {
     World w = made(World::create(small_def()));
     add_floor(w);
@@ -25,7 +25,7 @@ double climbed(double degrees, double slope_max_degrees) {
     return feet(w, c)[1];
 }
 
-/// Whether it gets onto a block of some height.
+/// Returns whether a character gets onto a block of this height.
 bool steps_onto(double block, double step_height, double speed = 3) {
     World w = made(World::create(small_def()));
     add_floor(w);
@@ -38,7 +38,7 @@ bool steps_onto(double block, double step_height, double speed = 3) {
     return feet(w, c)[1] > block;
 }
 
-/// The farthest from where a character was when it began to press, over some ticks.
+/// The greatest distance from the character's place at the start, over some ticks.
 double wander(World& w, CharacterId c, int ticks) {
     const D3 from = feet(w, c);
     double most = 0;
@@ -73,7 +73,7 @@ TEST_CASE("slopes up to slope_max are climbed, steeper ones are not") {
         CHECK(climbed(limit - 1, limit) > 2);
         CHECK(climbed(limit + 1, limit) < 0.05);
     }
-    CHECK(climbed(51, 52) > 2); // the twin: another limit, and the same slope is climbed
+    CHECK(climbed(51, 52) > 2); // negative control: with a higher limit it climbs
 }
 
 TEST_CASE("horizontal speed is kept up and down a slope") {
@@ -101,7 +101,7 @@ TEST_CASE("blocks up to step_height are walked onto, higher ones are not") {
     }
     CHECK(steps_onto(0.3, 0.35, 0.5)); // slowly too
     CHECK(steps_onto(0.3, 0.35, 10));
-    CHECK_FALSE(steps_onto(0.3, 0)); // the twin: without a step height it is a wall
+    CHECK_FALSE(steps_onto(0.3, 0)); // negative control: without a step height the block is a wall
 }
 
 TEST_CASE("stairs are walked up and down at the same horizontal speed") {
@@ -183,7 +183,7 @@ TEST_CASE("in a corner a character stays within a millimetre, whatever the corne
         INFO("corner of ", degrees);
         CHECK(wander(w, c, 600) < 0.001);
         CHECK(overlap(w, c) == 0);
-        drive(w, c, -3, 0.4); // the twin: it wanders when it is not pressed into the corner
+        drive(w, c, -3, 0.4); // negative control: not pressed into the corner, it moves
         CHECK(wander(w, c, 30) > 0.5);
     }
 }
@@ -195,13 +195,13 @@ TEST_CASE("under a low ceiling a character stays crouched, and stands up behind 
     const CharacterId c = add_character(w, 0, 0.01, 0);
     drive(w, c, 3, 0);
     run(w, 60);
-    CHECK(feet(w, c)[0] < 1.75); // too tall for it
+    CHECK(feet(w, c)[0] < 1.75); // too tall for the gap
     drive(w, c, 3, 0, false, true);
     run(w, 30);
     CHECK(feet(w, c)[0] > 2.2);
     drive(w, c, 0, 0);
     run(w, 60);
-    CHECK(w.character_state(c).crouched == 1); // no room
+    CHECK(w.character_state(c).crouched == 1); // no room to stand
     CHECK(overlap(w, c) == 0);
     drive(w, c, 3, 0);
     for (int i = 0; i < 120; ++i) {

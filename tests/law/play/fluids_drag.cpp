@@ -25,7 +25,7 @@ std::string near(double value, double expected, double share) {
     return std::to_string(value) + ", not " + std::to_string(expected);
 }
 
-/// Falling for 20 s: m g = (c1 + c2 v) v A.
+/// Checks the speed after a fall of 20 s: m g = (c1 + c2 v) v A.
 std::string terminal_fault(const Geometry& shape, double area, double linear, double quadratic,
                            double scale = 1) {
     World w = made(World::create(small_def()));
@@ -37,7 +37,7 @@ std::string terminal_fault(const Geometry& shape, double area, double linear, do
     return near(-velocity(w, b)[1], v, 0.005);
 }
 
-/// Speed that a blast at `distance` gives a free ball of 0.25 m.
+/// The velocity that a blast at `distance` gives a free ball of 0.25 m.
 D3 blast_speed(double distance, Falloff falloff, double radius = 100) {
     World w = made(World::create(weightless()));
     const BodyId b = add(w, {.pose = at(distance, 0, 0)}, {.geometry = sphere(real(0.25))});
@@ -113,7 +113,7 @@ TEST_CASE("the wind blows on what stands out of the water, and the current takes
         FieldDef sea = water(region);
         sea.velocity = vec(0, 0, 1);
         made(w.create_field(sea));
-        made(w.create_field(air(300, 0, vec(1, 0, 0)))); // as strong as the water's
+        made(w.create_field(air(300, 0, vec(1, 0, 0)))); // as strong as the water's drag
         const BodyId b =
             add(w, {}, {.geometry = box(real(1), real(0.25), real(1)), .density = real(density)});
         run(w, 1800);
@@ -163,7 +163,7 @@ TEST_CASE("regions and masks of fields of acceleration") {
 }
 
 TEST_CASE("a blast gives a ball its impulse per solid angle times pi a^2 / r^2, far and near") {
-    // An impulse of j per steradian that a ball takes up gives j pi sin^2 of its half angle: the same expression.
+    // A ball in an impulse of j per steradian receives j pi sin^2 of its half angle: an equal expression.
     for (double r : {0.6, 1.0, 2.0, 5.0, 20.0}) {
         const double expected = 5000 * (0.5 / r) * (0.5 / r) * pi_ * 0.0625 / ball_mass;
         CHECK(near(blast_speed(r, Falloff::inverse_square)[0], expected, 0.001 + 1e-5 * r * r) == "");

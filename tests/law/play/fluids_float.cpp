@@ -1,4 +1,4 @@
-// Buoyancy: what floats where, how it rights itself, and that still water only takes energy.
+// Buoyancy: floating depths, righting moments, and still water that only removes energy.
 #include "support/about.h"
 #include "support/effort.h"
 #include "support/sim_scenes.h"
@@ -30,7 +30,7 @@ void run(World& w, int ticks) {
     for (int i = 0; i < ticks; ++i) w.tick();
 }
 
-/// Depth of a ball's lowest point under the surface when it floats: (3 - s) s^2 = 4 ratio, s = depth / radius.
+/// The depth of a floating ball's lowest point below the surface: (3 - s) s^2 = 4 ratio, s = depth / radius.
 double ball_depth(double ratio, double radius) {
     double low = 0, high = 2;
     for (int i = 0; i < 60; ++i) {
@@ -40,7 +40,7 @@ double ball_depth(double ratio, double radius) {
     return low * radius;
 }
 
-/// How far a floater's lowest point comes to rest from where Archimedes says, over its depth.
+/// Checks the rest depth of a floater's lowest point against Archimedes' law, relative to its depth.
 std::string depth_fault(const Geometry& shape, double half_height, double density, double expected) {
     World w = sea();
     const BodyId b = add_floater(w, shape, density, at(0, 0.2, 0));
@@ -51,20 +51,21 @@ std::string depth_fault(const Geometry& shape, double half_height, double densit
            " kg/m^3: " + std::to_string(depth) + " m deep, not " + std::to_string(expected);
 }
 
-/// Kinetic and potential energy of a box that is not wholly under and floats level.
+/// Kinetic and potential energy of a box that floats level and is not fully submerged.
 double energy_of(const World& w, BodyId b, double half, double mass) {
     const double y = position(w, b)[1], depth = std::clamp(half - y, 0.0, 2 * half);
     const double area = 4 * half * half, over = std::max(-y - half, 0.0);
-    // Work against the water: rho g A depth^2 / 2, then its full weight.
+    // Work against the water: rho g A depth^2 / 2, then with its full weight.
     return to_double(w.kinetic_energy()) + mass * g * y + 1000 * g * area * depth * (depth / 2 + over);
 }
 
-/// A crate dropped into a fluid: does its energy ever grow, beyond what a symplectic step swings?
+/// Drops a crate into a fluid. Returns an error sentence if its energy grows beyond the oscillation of a symplectic
+/// step.
 std::string energy_fault(const FieldDef& fluid) {
     World w = sea(fluid);
     const double half = 0.5, mass = 400;
     const BodyId b = add_floater(w, box(real(half), real(half), real(half)), 400, at(0, 1.5, 0));
-    const double floor = -0.5 * mass * g; // about what is left in the end
+    const double floor = -0.5 * mass * g; // about the energy at the end
     double least = energy_of(w, b, half, mass);
     for (int t = 0; t < 900; ++t) {
         w.tick();
@@ -86,7 +87,7 @@ TEST_CASE("boxes and balls float as deep as Archimedes says" *
           doctest::skip(lockstone::test::is_small_sample())) {
     for (double density : {100.0, 500.0, 900.0}) {
         const double ratio = density / 1000;
-        // Flat enough to float level whatever its density.
+        // Flat enough to float level at any density.
         CHECK(depth_fault(box(real(1), real(0.2), real(1)), 0.2, density, 0.4 * ratio) == "");
         CHECK(depth_fault(sphere(real(0.5)), 0.5, density, ball_depth(ratio, 0.5)) == "");
         CHECK(depth_fault(cylinder(real(1), real(0.2)), 0.2, density, 0.4 * ratio) == "");

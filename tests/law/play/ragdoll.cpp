@@ -1,4 +1,5 @@
-// The ragdoll: masses that add up, joints that hold within their limits, a pose that is taken, nothing left on errors.
+// The ragdoll: masses that add up, joints that hold within their limits, poses that it takes, and no leftovers after
+// errors.
 #include "lockstone/play/ragdoll.h"
 #include "support/about.h"
 #include "support/effort.h"
@@ -21,7 +22,7 @@ WorldDef ragdoll_def(std::uint32_t bodies = 20) {
     return def;
 }
 
-/// How far joints are apart and outside of their limits: [m] and [rad], the largest of a ragdoll's.
+/// The widest gap of a ragdoll's joints [m], and the greatest angle beyond a limit [rad].
 struct Strain {
     double gap = 0, beyond = -10;
 };
@@ -31,7 +32,7 @@ Joints joints_of(const World& w, const Ragdoll& r) {
     for (std::uint32_t part = 1; part < ragdoll_part_count; ++part) out[part] = w.joint(r.joints[part]);
     return out;
 }
-/// Against what the joints were made as.
+/// Measures the strain against the joints' original definitions.
 Strain strain_of(const World& w, const Ragdoll& r, const Joints& made_as) {
     Strain strain;
     for (std::uint32_t part = 1; part < ragdoll_part_count; ++part) {
@@ -50,14 +51,16 @@ Strain strain_of(const World& w, const Ragdoll& r, const Joints& made_as) {
 }
 Strain strain_of(const World& w, const Ragdoll& r) { return strain_of(w, r, joints_of(w, r)); }
 
-/// A fall from 3 m ends at 7.7 m/s. A joint learns of it at the next substep, and each of the five from a hand to a foot one later.
+/// A fall from 3 m ends at 7.7 m/s. The impulse reaches a joint in the next substep, and each of the five joints from a
+/// hand to a foot one substep later.
 constexpr double impact_gap_max = 5 * 7.7 / 480;
-/// The same at the end of a lever of 0.16 m, half a lower leg.
+/// The bound at the end of a lever of 0.16 m, half a lower leg.
 constexpr double lever = 0.16, impact_beyond_max = impact_gap_max / lever;
-/// At rest a joint gives as a spring of a quarter of the substep rate: 75 kg on a head and neck or a foot of 1 kg, g 75 / (2 pi 120)^2.
+/// At rest a joint deflects as a spring of a quarter of the substep rate: 75 kg on a head and neck or a foot of 1 kg, g
+/// 75 / (2 pi 120)^2.
 constexpr double rest_gap_max = 9.81 * 75 / (6.2832 * 120) / (6.2832 * 120);
 
-/// Of the angle between a part's place in two poses, the largest [rad].
+/// The largest angle between a part's rotations in two poses [rad].
 double apart(const RagdollPose& a, const RagdollPose& b) {
     double most = 0;
     for (std::size_t i = 1; i < ragdoll_part_count; ++i)
@@ -80,7 +83,7 @@ TEST_CASE("a ragdoll has the mass that it was given, and its segments their shar
     CHECK(to_double(w.mass(r.bodies[static_cast<std::size_t>(RagdollPart::thigh_left)])) ==
           test::about(6, 1e-6));
     CHECK(height / sum / 1.7 ==
-          test::about(0.56, 0.03)); // published: 0.55 to 0.57 of the height over the ground
+          test::about(0.56, 0.03)); // published: 0.55 to 0.57 of the height above the ground
     CHECK(w.joint_count() == 13);
     CHECK(strain_of(w, r).gap < 1e-6);
     CHECK(strain_of(w, r).beyond < 1e-3);
@@ -103,13 +106,14 @@ TEST_CASE("both poses stand within the limits of all joints, and ragdoll_pose re
         CHECK(strain_of(w, r).beyond < 1e-3);
         CHECK(apart(ragdoll_pose(w, r), pose) < 1e-4);
         for (int t = 0; t < 60; ++t) w.tick();
-        CHECK(apart(ragdoll_pose(w, r), pose) < 1e-3); // nothing moves but what was beyond a limit
+        CHECK(apart(ragdoll_pose(w, r), pose) < 1e-3); // only parts beyond a limit move
     }
 }
 
 namespace {
 
-/// Empty when a ragdoll that `change` was applied to falls from 3 m, lies down whole and within its limits, and sleeps.
+/// A ragdoll falls from 3 m after `change`. Returns an error sentence unless it lies down whole and within its limits,
+/// and sleeps.
 template <class Change> std::string fall_fault(int seed, Change&& change) {
     World w = made(World::create(ragdoll_def()));
     add_floor(w);
@@ -190,8 +194,7 @@ TEST_CASE("driven, a ragdoll takes a pose and keeps it; limp again, it lets go")
     pose[static_cast<std::size_t>(RagdollPart::thigh_right)] = turned(axis_x, -40);
     done(set_ragdoll_drive(w, r, pose, {.frequency = Real(20)}));
     for (int t = 0; t < 240; ++t) w.tick();
-    CHECK(apart(ragdoll_pose(w, r), pose) <
-          0.06); // friction holds what is left; a game's need: nobody sees 3 degrees
+    CHECK(apart(ragdoll_pose(w, r), pose) < 0.06); // friction holds the rest; a player does not see 3 degrees
     CHECK(apart(ragdoll_pose(w, r), ragdoll_standing()) > 0.9);
     done(set_ragdoll_drive(w, r, pose, {}));
     for (JointId joint : r.joints)
@@ -216,5 +219,5 @@ TEST_CASE("a ragdoll that a world has no room for leaves nothing in it") {
     const Ragdoll r = made(make_ragdoll(w, {}));
     destroy_ragdoll(w, r);
     CHECK((w.body_count() == 0 && w.joint_count() == 0));
-    destroy_ragdoll(w, r); // of a dead one: nothing
+    destroy_ragdoll(w, r); // destroyed already: no effect
 }

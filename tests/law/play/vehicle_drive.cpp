@@ -1,4 +1,4 @@
-// Vehicles that drive, brake and turn, against the formulas of a textbook.
+// Vehicles that drive, brake and turn, against textbook formulas.
 #include "support/about.h"
 #include "support/rigs/vehicle_rig.h"
 
@@ -11,7 +11,7 @@ using namespace lockstone::test::vehicle;
 
 namespace {
 
-/// A rear-driven car with plenty of grip and an engine of constant torque.
+/// A rear-driven car with high grip and an engine of constant torque.
 Rig strong_car(double torque) {
     Rig rig = make_car({}, [&](VehicleDef& def) {
         set_engine(def, torque);
@@ -21,7 +21,7 @@ Rig strong_car(double torque) {
     return rig;
 }
 
-/// From one speed to the other [m/s^2]; backwards in gear -1.
+/// The acceleration from one speed to the other [m/s^2]; backwards in gear -1.
 double acceleration(double torque, double from, double to, std::int32_t gear = 1) {
     Rig rig = strong_car(torque);
     rig.drive({.throttle = 1_r, .gear = gear});
@@ -33,7 +33,7 @@ double acceleration(double torque, double from, double to, std::int32_t gear = 1
     return (to - from) * 60 / (tick - begin);
 }
 
-/// Mass with what turns; see strong_car.
+/// The mass including the inertia of turning parts; see strong_car.
 double mass_with_turning(double ratio) {
     const double r = 0.35;
     return 1200 + (0.3 * ratio * ratio + 4 * 0.9) / (r * r);
@@ -42,7 +42,7 @@ double mass_with_turning(double ratio) {
 struct Stop {
     double begin, way; ///< [m/s], [m]
 };
-/// After half a second of rolling free.
+/// The stopping distance, after half a second of free rolling.
 Stop stop_from(double speed, double grip, double torque_scale) {
     Rig rig = make_car({}, [&](VehicleDef& def) {
         set_grip(def, grip);
@@ -60,7 +60,7 @@ Stop stop_from(double speed, double grip, double torque_scale) {
     return {begin, length(rig.at() - from)};
 }
 
-/// Radius of the way of the rear axle at walking speed [m].
+/// The radius of the rear axle's path at walking speed [m].
 double turning_radius(double steer) {
     Rig rig = make_car({}, [](VehicleDef& def) { set_grip(def, 2); });
     rig.run(120);
@@ -72,7 +72,7 @@ double turning_radius(double steer) {
         rig.run(1);
         const D3 v = velocity(rig.w, rig.chassis), w = spin(rig.w, rig.chassis);
         yaw += std::abs(w[1]);
-        // Of the point 1.4 m behind the centre.
+        // The speed of the point 1.4 m behind the centre.
         const D3 back = -1.4 * rig.ahead();
         way += length(v + D3{w[1] * back[2], 0, -w[1] * back[0]});
     }
@@ -91,13 +91,13 @@ TEST_CASE("a car accelerates by the torque at its wheels over its mass and what 
             const double force = torque * d.ratio / 0.35, mass = mass_with_turning(d.ratio),
                          expected = force / mass;
             const double found = acceleration(torque, 5, 14, d.gear);
-            // Both ends are told to a tick. What turns goes ahead of the road by the slip that gives the force, 0.05 at a grip of 4; it
-            // is the share of the mass that is not the car's.
+            // Both ends are known to a tick. The turning parts run faster than the road by the slip that gives the
+            // force, 0.05 at a grip of 4; the error is their share of the mass.
             const double slip = 0.05 * force / (4 * 1200 * g / 2);
             const double bound = 2 * expected / 60 / (14 - 5) + slip * (1 - 1200 / mass);
             INFO("gear ", d.gear, ", ", torque, " N m: ", found, " m/s^2 for ", expected);
             CHECK(off(found, expected) < bound);
-            CHECK_FALSE(off(found, force / 1200) < bound); // planted: what turns was forgotten
+            CHECK_FALSE(off(found, force / 1200) < bound); // planted: without the inertia of turning parts
         }
 }
 
@@ -109,7 +109,7 @@ TEST_CASE("each gear ends at the engine's limit") {
         rig.run(1500);
         const double ratio = ratios[gear - 1] * 3.7, top = 6500 * 2 * pi_double / 60 / ratio * 0.35;
         INFO("gear ", gear, ": ", rig.speed(), " m/s for ", top);
-        CHECK(off(rig.speed(), top) < 0.01); // the limiter takes the fuel away over the last hundredth
+        CHECK(off(rig.speed(), top) < 0.01); // the limiter reduces the fuel over the last hundredth
     }
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("locked wheels stop in v^2 / (2 mu g)") {
             const Stop s = stop_from(speed, grip, 100);
             const double expected = s.begin * s.begin / (2 * grip * g);
             INFO(speed, " m/s, grip ", grip, ": ", s.way, " m for ", expected);
-            const double bound = 2 * s.begin / 480 / expected; // wheels lock within a substep or two
+            const double bound = 2 * s.begin / 480 / expected; // wheels lock within one or two substeps
             CHECK(off(s.way, expected) < bound);
             CHECK_FALSE(off(stop_from(speed, grip * 0.98, 100).way, expected) <
                         bound); // planted: a worse tyre
@@ -130,7 +130,7 @@ TEST_CASE("brakes that do not lock stop by their torque") {
     const Stop s = stop_from(20, 2, 0.5);
     const double force = 0.5 * (2 * 1500 + 2 * 600) / 0.35, mass = 1200 + 4 * 0.9 / (0.35 * 0.35);
     const double expected = s.begin * s.begin / 2 / (force / mass);
-    // Wheels have to turn slower than the road first, by the slip of this force; then as above.
+    // Before they brake, wheels must turn slower than the road, by the slip of this force; the rest is as above.
     const double slip = 0.05 * force / (2 * 1200 * g);
     CHECK(off(s.way, expected) < 2 * s.begin / 480 / expected + 2 * slip * (mass / 1200 - 1));
 }
@@ -140,11 +140,12 @@ TEST_CASE("at walking speed a car rolls about the point where the axles meet") {
         const double angle = std::abs(steer) * 0.6, expected = 2.8 / std::tan(angle);
         const double found = turning_radius(steer);
         INFO("steer ", steer, ": radius ", found, " m for ", expected);
-        // Tyres roll aside by the slip of the turn's force, at a grip of 2: v^2 / R over g. At most so much is one axle's angle off.
+        // Tyres drift sideways by the slip of the turn's force, at a grip of 2: v^2 / R over g. At most one axle's
+        // angle is off by that.
         const double slip = 0.05 * 3 * 3 / (expected * g) / 2;
         CHECK(off(found, expected) < slip / (std::sin(angle) * std::cos(angle)));
         CHECK_FALSE(off(found, 2.8 / std::tan(angle * 1.04)) <
-                    slip / (std::sin(angle) * std::cos(angle))); // planted
+                    slip / (std::sin(angle) * std::cos(angle))); // planted fault: 4 % more steering
     }
 }
 
@@ -185,7 +186,7 @@ TEST_CASE("a car cannot turn with more than its grip, and turns with most of it"
     }
     INFO("strongest ", strongest / g, " g");
     CHECK(strongest < 0.8 * g * 1.005); // loads are those of the last of eight substeps
-    // The front wheels, which stand at 0.24 rad, push with all their grip; the rear ones as much, or the car would turn ever faster.
+    // The front wheels, at 0.24 rad, push with all their grip; so do the rear ones, or the car would turn ever faster.
     CHECK(strongest > 0.8 * g * std::cos(0.24));
 }
 
@@ -208,15 +209,15 @@ TEST_CASE("an automatic box shifts up and down at its speeds") {
             (i < 1500 ? ups : downs).push_back(to_double(before.rpm));
         before = now;
     }
-    // What is told is at most a tick away: the engine gains no more a tick than in first gear, and loses no more than its brakes take of
-    // it in second: 0.8 of 12,000 N.
+    // The report is at most a tick old: in a tick the engine gains at most the speed of first gear, and loses at most
+    // the speed that its brakes remove in second gear: 0.8 of 12,000 N.
     const double per_speed = 3.7 / 0.35 * 60 / (2 * pi_double), first = 3.6, second = 2.1;
     const double gain = 300 * first * 3.7 / 0.35 / mass_with_turning(first * 3.7) / 60 * first * per_speed;
     const double loss = 0.8 * 12000 / 1200 / 60 * second * per_speed;
     REQUIRE(ups.size() == 4);
     for (double rpm : ups) CHECK(std::abs(rpm - 5500) < gain);
     REQUIRE(downs.size() == 4);
-    for (double rpm : downs) CHECK(rpm - 2200 < loss); // lower while the box pauses between two changes
+    for (double rpm : downs) CHECK(rpm - 2200 < loss); // lower while the gearbox pauses between two changes
     CHECK(before.gear == 1);
 }
 
@@ -238,9 +239,10 @@ TEST_CASE("a limited slip differential drives the wheel that has grip") {
     const double open = way(DifferentialKind::open), limited = way(DifferentialKind::limited),
                  locked = way(DifferentialKind::locked);
     INFO("open ", open, ", limited ", limited, ", locked ", locked, " m");
-    // A bias of 1 brakes their difference by all that comes in: as if locked. Both wheels then have what each can bear, 0.05 and 1 of a
-    // quarter of the weight; the way is that of at most this force, and the clutch takes its time. Open, the wheel on the road has the
-    // torque of the one on ice: 0.05 of a quarter, and what spins that one up.
+    // A bias of 1 brakes the difference of the wheels by the whole input torque: as if locked. Both wheels then carry
+    // their limits, 0.05 and 1 of a quarter of the weight; this force bounds the distance, and the clutch takes some
+    // time. With an open differential the wheel on the road has the torque of the wheel on ice: 0.05 of a quarter, and
+    // the torque that accelerates that wheel.
     const double most = 1.05 * (g / 4) * 3 * 3 / 2;
     CHECK(off(limited, locked) < 0.01);
     CHECK(locked < most);
@@ -264,7 +266,7 @@ TEST_CASE("a tracked vehicle turns on the spot, and drives straight on") {
         turned += spin(rig.w, body)[1] / 60;
     }
     INFO("turned ", turned, " rad, went ", length(rig.at() - from), " m");
-    // A game's need: a third of a turn in five seconds, to the right, without leaving the spot by a hand's breadth.
+    // The need of a game: a third of a turn in five seconds, to the right, moving by less than a hand's breadth.
     CHECK(turned < -2 * pi_double / 3);
     CHECK(length(rig.at() - from) < 0.1);
     const VehicleState s = rig.state();
@@ -277,7 +279,7 @@ TEST_CASE("a tracked vehicle turns on the spot, and drives straight on") {
     rig.drive({.throttle = 1_r});
     rig.run(300);
     const D3 way = rig.at() - begin;
-    CHECK(dot(way, ahead) > 10); // a game's need: a running man's pace
+    CHECK(dot(way, ahead) > 10); // the need of a game: a running man's pace
     CHECK(std::sqrt(std::max(0.0, dot(way, way) - dot(way, ahead) * dot(way, ahead))) <
           0.01 * dot(way, ahead));
 }

@@ -1,4 +1,4 @@
-// What vehicles stand on: terrain, what moves, what is slippery; and the commands that make and end them.
+// The ground of vehicles: terrain, moving bodies, slippery surfaces; and the commands that make and destroy vehicles.
 #include "support/rigs/vehicle_rig.h"
 
 #include <doctest/doctest.h>
@@ -53,7 +53,7 @@ Rig car_on(const Result<AssetBytes>& baked, WheelCast cast) {
     return {std::move(w), body, id};
 }
 
-/// Drives 25 m over the hills. How far a hub is from where it should be at worst, while all wheels bear [m].
+/// Drives 25 m over the hills. Returns the greatest error of a hub's height while its wheel has a load [m].
 double drive_over(Rig rig) {
     rig.run(60);
     rig.drive({.throttle = 0.3_r, .gear = 1});
@@ -98,7 +98,7 @@ TEST_CASE("a car drives over height fields and meshes, with every kind of wheel 
 }
 
 TEST_CASE("wheels push the ground as it pushes them") {
-    // On a raft that slides freely the momentum of car and raft together stays zero.
+    // On a freely sliding raft the total momentum of car and raft stays zero.
     Rig rig = car_on_box({.geometry = box(3_r, 0.4_r, 12_r)}, {.pose = at(0, 0.4, 0), .mass = 3000_r});
     rig.run(180);
     rig.drive({.throttle = 0.5_r});

@@ -1,4 +1,4 @@
-// Vehicles that stand, and vehicles that fall.
+// Vehicles at rest, and vehicles that fall.
 #include "support/about.h"
 #include "support/rigs/vehicle_rig.h"
 
@@ -16,19 +16,21 @@ double mean_length(const Rig& rig) {
     return sum / s.wheel_count;
 }
 
-/// Impulses are rounded to a step of a speed, of the g / 480 that a substep takes: so exact is what springs bear, and how far they give.
+/// Impulses are rounded to a step of a speed, of the g / 480 that a substep removes: that is the precision of the
+/// springs' forces and deflections.
 constexpr double rounding = speed_step / (g / 480);
 
 double sag(double hertz) { return g / std::pow(2 * pi_double * hertz, 2); }
 
-/// How far from g / (2 pi f)^2 the suspension of a car that should swing at `hertz` gives [m].
+/// The difference of the suspension's deflection from g / (2 pi f)^2 [m]. `hertz_said` is the expected frequency,
+/// `hertz_true` that of the car.
 double sag_error(double hertz_said, double hertz_true) {
     Rig rig = make_car({}, [&](VehicleDef& def) { set_frequency(def, hertz_true); });
     rig.run(600);
     return std::abs(0.5 - mean_length(rig) - sag(hertz_said));
 }
 
-/// Way in 600 ticks after 300 to settle [m], with gravity tilted as on a slope that goes up ahead, or sideways.
+/// The distance in 600 ticks, after 300 to settle [m], with gravity tilted as on a slope that rises ahead, or sideways.
 double creep(double degrees, bool sideways, const VehicleInput& input, double mass = 1200) {
     Setting s;
     s.mass = mass;
@@ -47,7 +49,7 @@ double creep(double degrees, bool sideways, const VehicleInput& input, double ma
 }
 
 struct Landing {
-    double highest; ///< after the first touch [m]
+    double highest; ///< after the first contact [m]
     double error;   ///< of the height at the end [m]
     double speed;   ///< at the end [m/s]
 };
@@ -79,19 +81,19 @@ TEST_CASE("a car's suspension gives by g / (2 pi f)^2") {
 TEST_CASE("wheels bear the weight above them, wherever the engine sits") {
     Rig rig = make_car({}, [](VehicleDef& def) {
         for (std::size_t i = 0; i < 2; ++i)
-            def.wheel[i].attachment.z = 1_r; // centre of mass nearer to the front
+            def.wheel[i].attachment.z = 1_r; // moves the centre of mass towards the front
     });
     rig.run(600);
     const VehicleState s = rig.state();
     const double front = to_double(s.wheel[0].load + s.wheel[1].load),
                  rear = to_double(s.wheel[2].load + s.wheel[3].load);
     CHECK(front + rear == test::about(1200 * g, rounding));
-    // A wheel bears about a quarter.
+    // A wheel carries about a quarter.
     CHECK(front * 1.0 == test::about(rear * 1.4, 4 * rounding));
     CHECK(std::abs(to_double(s.wheel[0].length - s.wheel[2].length)) < 4 * rounding * sag(1.5)); // level
 }
 
-/// Two steps of a velocity, 3.8e-6 m/s, for ten seconds, and as much again.
+/// Two steps of a velocity, 3.8e-6 m/s, for ten seconds, and a margin of that size.
 constexpr double creep_max = 8e-5;
 
 TEST_CASE("a parked car stays where it is: level, across and along a slope of 20 degrees") {
@@ -105,8 +107,9 @@ TEST_CASE("a parked car stays where it is: level, across and along a slope of 20
 }
 
 TEST_CASE("a slope steeper than the grip is too steep for the brake") {
-    // It slides backwards. The front wheels lock, at a grip of 0.9; the rear ones, on which the brake's own force presses the car, turn
-    // against 600 N m each. Rolling resistance, 0.01, is left out: of the 0.3 g that remain 2 %.
+    // The car slides backwards. The front wheels lock, at a grip of 0.9. The rear ones, onto which the brake's own
+    // force presses the car, turn against 600 N m each. Rolling resistance, 0.01, is neglected: 2 % of the 0.3 g that
+    // remain.
     const double angle = 50 * pi_double / 180, weight = 1200 * g * std::cos(angle);
     const double height = 0.35 + 0.5 - sag(1.5) * std::cos(angle);
     const double brake = (0.9 * weight / 2 + 2 * 600 / 0.35) / (1 + 0.9 * height / 2.8);
@@ -120,7 +123,7 @@ TEST_CASE("cars of 200 kg and 40 t land from 2 m and come to rest") {
     for (double mass : {200.0, 1200.0, 40000.0}) {
         const Landing l = land(mass);
         INFO(mass, " kg: highest ", l.highest, " m, error ", l.error, " m, speed ", l.speed, " m/s");
-        // From its stop, 0.1 + 0.35 m up, no further than the spring lifts it from there undamped, 0.72 m.
+        // From the stop, 0.1 + 0.35 m up, at most as far as the undamped spring lifts it from there, 0.72 m.
         const double pressed = 0.4 * 2 * pi_double * 1.5;
         CHECK(l.highest < 0.45 + pressed * pressed / (2 * g));
         CHECK(l.error < sag(1.5) * rounding);
@@ -150,5 +153,5 @@ TEST_CASE("anti-roll bars take a roll by their stiffness") {
     CHECK(off(roll(0), expected(0)) < 0.08);
     CHECK(off(roll(20000), expected(20000)) < 0.08);
     CHECK(roll(20000) < 0.5 * roll(0));
-    CHECK_FALSE(off(roll(0), expected(20000)) < 0.08); // planted: no bars where bars were said
+    CHECK_FALSE(off(roll(0), expected(20000)) < 0.08); // planted: a car without bars
 }

@@ -1,4 +1,4 @@
-// The scene "cars" is driven by its script for a while: everybody gets about, nobody leaves the world.
+// The script drives the scene "cars" for a while: every player moves, and no player leaves the world.
 #include "lockstone/math/convert.h"
 #include "support/effort.h"
 #include "support/scripted_inputs.h"

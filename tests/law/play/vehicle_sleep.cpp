@@ -1,4 +1,4 @@
-// A parked vehicle sleeps, and wakes when somebody drives it, touches it or takes away what it stands on.
+// A parked vehicle sleeps. It wakes when a player drives it, a body touches it, or its support disappears.
 #include "support/rigs/vehicle_rig.h"
 
 #include <doctest/doctest.h>
@@ -13,7 +13,7 @@ Setting drowsy() {
     s.world.sleeping = 1;
     return s;
 }
-/// Ticks until it sleeps, at most 900; the input comes anew in every tick, as from a game.
+/// Ticks until it sleeps, at most 900. The input is set again in every tick, as by a game.
 int ticks_to_sleep(Rig& rig, const VehicleInput& input) {
     int ticks = 0;
     for (; rig.w.is_awake(rig.chassis) && ticks < 900; ++ticks) rig.drive(input), rig.w.tick();

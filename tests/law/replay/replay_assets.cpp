@@ -1,4 +1,4 @@
-// A recording of commands brings its assets along: it plays without the game's code.
+// A recording of commands contains its assets, so it plays without the game's code.
 #include "replay/replay.h"
 #include "support/sim_shapes.h"
 #include "support/small_game.h"
@@ -11,7 +11,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// Twenty ticks of every kind of shape, one of them made while recording.
+/// Twenty ticks with every kind of shape; one shape is made during the recording.
 std::vector<std::byte> recorded(const Zoo& zoo) {
     World w = zoo_world(zoo, 1);
     MemorySink sink;

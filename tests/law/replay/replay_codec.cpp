@@ -1,4 +1,4 @@
-// What is written reads back: packing, planes, blocks, headers, commands, whole files; over generated data.
+// Written data reads back unchanged: packing, planes, blocks, headers, commands, whole files; over generated data.
 #include "support/small_recording.h"
 
 #include <doctest/doctest.h>
@@ -9,7 +9,7 @@ using namespace lockstone::test;
 
 namespace {
 
-/// Bytes with runs of every length, stretches of noise, and everything between.
+/// Bytes with runs of every length, stretches of noise, and mixtures.
 Bytes random_bytes(SplitMix& random, std::uint32_t size) {
     Bytes out;
     while (out.size() < size) {

@@ -1,4 +1,5 @@
-// The scenes of the benchmark are what its tables say they are: who changes one changes what old figures mean.
+// The scenes of the benchmark have the contents that its tables state. A changed scene changes the meaning of old
+// results.
 #include "bench/rows/rows.h"
 #include "bench/scenes.h"
 #include "engines/lockstone_engine.h"
@@ -11,7 +12,7 @@ using namespace lockstone::bench;
 
 namespace {
 
-/// What a scene is made of.
+/// The contents of a scene.
 struct Count {
     const char* name;
     std::size_t dynamic, fixed, kinematic, ball_joints, hinges;
@@ -129,7 +130,7 @@ TEST_CASE("hulls of the benchmark have 12 to 24 corners, all of them on the hull
         const std::size_t corners = body.shape.points.size();
         CHECK(corners >= 12);
         CHECK(corners <= 24);
-        CHECK(body.shape.faces.size() == 2 * corners - 4); // Euler, for triangles
+        CHECK(body.shape.faces.size() == 2 * corners - 4); // Euler's formula, for triangles
     }
 }
 

@@ -1,4 +1,4 @@
-// What joints must not do in the built-in scenes: come apart, hand energy out, or reach the limits of speed.
+// Joints of the built-in scenes must not come apart, add energy or reach the limits of speed.
 #include "scenes/scenes.h"
 #include "support/effort.h"
 #include "support/rigs/joint_scenes.h"
@@ -29,8 +29,8 @@ double widest_gap(const World& w) {
     return widest;
 }
 
-/// No motor drives these scenes: energy grows by no more than a part of `growth` in a tick, and the widest joint is narrower than `gap` [m].
-/// `widest`: the widest joint of all ticks.
+/// Runs a scene without motors. Returns an error sentence if the energy grows by more than the part `growth` in a tick,
+/// or if a joint opens by more than `gap` [m]. `widest`: the widest opening of all ticks.
 std::string scene_fault(const char* name, std::uint32_t size, int ticks, double gap, double growth = 0.01,
                         std::uint64_t seed = 1, double* widest = nullptr) {
     SceneOptions options;
@@ -53,8 +53,8 @@ std::string scene_fault(const char* name, std::uint32_t size, int ticks, double 
     return {};
 }
 
-/// Ten links of 2 kg and a ball of `mass`, straight, let go at an angle to the vertical [rad]: the most energy in 400 ticks, of
-/// what was there, both counted from the lowest point, and the widest joint [m].
+/// Ten links of 2 kg and a ball of `mass`, straight, released at an angle to the vertical [rad]. Returns the greatest
+/// energy in 400 ticks relative to the initial one, both counted from the lowest point, and the widest joint [m].
 std::pair<double, double> snatched(double angle, double mass) {
     constexpr int links = 10;
     constexpr double length = 0.3;
@@ -91,10 +91,10 @@ TEST_CASE("the joints of bridges, chains and ragdolls hold, and hand out no ener
     CHECK(scene_fault("bridge", 40, 300, 0.001) == "");
     CHECK(scene_fault("wrecking-ball", 20, 400, 0.06) == "");
     CHECK(scene_fault("wrecking-ball", 30, 2000, 0.06) ==
-          ""); // its chain falls slack and is snatched again and again
-    // A foot that carries a whole figure sinks in when it lands, and gives a part of that back in the next ticks.
+          ""); // the chain falls slack and is snatched repeatedly
+    // A foot that carries a whole figure sinks in when it lands, and returns a part of that in the next ticks.
     CHECK(scene_fault("ragdolls", 10, 200, 0.1, 0.02) == "");
-    // Which limb is wedged in a heap is another one from seed to seed, and so is how wide its joint opens.
+    // Each seed wedges another limb in the heap, so the widest joint differs.
     std::vector<double> widest;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         double apart = 0;
@@ -105,7 +105,8 @@ TEST_CASE("the joints of bridges, chains and ragdolls hold, and hand out no ener
     CHECK(widest[2] < 0.1);
 }
 
-// Where limits did not take points along (solve/joints/axis_with_point.h), a figure of one of these falls came apart by 0.67 m.
+// Without the point's share in limits (solve/joints/axis_with_point.h), a figure of one of these heaps came apart by
+// 0.67 m.
 TEST_CASE("of two dozen heaps of ragdolls none comes apart by 0.2 m, the middle one not by 0.05 m" *
           doctest::skip(test::is_too_long_here())) {
     std::vector<double> widest;

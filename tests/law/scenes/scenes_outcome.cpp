@@ -1,4 +1,4 @@
-// What a watcher would call right: towers stand, piles stay in their pit, dominoes fall, games are played.
+// Outcomes that a viewer expects: towers stand, piles stay in their pit, dominoes fall, games are playable.
 #include "support/scripted_inputs.h"
 
 #include <doctest/doctest.h>
@@ -38,7 +38,7 @@ TEST_CASE("the last domino falls") {
         if (look.role != Role::prop) continue;
         ++dominoes;
         CAPTURE(look.number);
-        CHECK(world.pose(body).position.y < 0.45_r); // upright it is 0.5
+        CHECK(world.pose(body).position.y < 0.45_r); // 0.5 when upright
     }
     CHECK(dominoes == 60);
 }

@@ -1,5 +1,5 @@
-// Players of the scenes with vehicles, characters and joints: a stick moves what it should, and one who does nothing
-// changes nothing but that he is there.
+// Players of the scenes with vehicles, characters and joints: a stick moves its player, and an idle player changes
+// nothing except its presence.
 #include "support/effort.h"
 
 #include "lockstone/math/math.h"
@@ -31,7 +31,7 @@ std::unique_ptr<Game> game_of(const Played& p, std::uint32_t players) {
     return make_scene(p.scene, {.size = p.size, .seed = 1, .players = players}).value();
 }
 
-/// One tick in which all players do the same.
+/// One tick in which all players have the same input.
 void step(const Game& game, World& world, ArenaInput input) {
     const auto bytes = encode_input(input);
     const std::vector<PlayerInput> inputs(game.player_count(), PlayerInput{bytes});
@@ -54,7 +54,7 @@ Vec3 place_of_player(const World& world, std::uint32_t player) {
     return world.pose(body_of(world, user_key_of(Role::player, player))).position;
 }
 
-/// A game whose inputs do not arrive.
+/// A game that drops all inputs.
 class Deaf final : public Game {
   public:
     explicit Deaf(const Game& rules) : game(rules) {}
@@ -72,7 +72,7 @@ class Deaf final : public Game {
     const Game& game;
 };
 
-/// Empty when the stick takes every player its way within two thirds of a second.
+/// Returns an error sentence unless the stick moves every player its way within two thirds of a second.
 std::string drive_fault(const Game& game) {
     const World idle = run(game, {}, 40), driven = run(game, away, 40);
     if (idle.hash() == driven.hash()) return game.name() + ": the stick changes nothing";
@@ -82,7 +82,9 @@ std::string drive_fault(const Game& game) {
     return {};
 }
 
-/// Empty when every body of a scene without players moves as it does with one who does `input`.
+/// Returns an error sentence unless every body of a scene without players moves as it does with one player and this
+/// input.
+/// `input`.
 std::string presence_fault(const Played& p, ArenaInput input, std::uint64_t ticks) {
     const auto alone = game_of(p, 0), watched = game_of(p, 1);
     World a = alone->start().value(), b = watched->start().value();
@@ -117,7 +119,7 @@ TEST_CASE("planted fault: a stick that does not arrive is found in every scene" 
 
 TEST_CASE("a player who does nothing changes nothing but that he is there" *
           doctest::skip(test::is_too_long_here())) {
-    CHECK(presence_fault({"ragdolls", 4}, {}, 60) == ""); // later they meet him
+    CHECK(presence_fault({"ragdolls", 4}, {}, 60) == ""); // later the ragdolls touch the player
     CHECK(presence_fault({"joint-grid", 0}, {}, 200) == "");
     CHECK(presence_fault({"bridge", 24}, {}, 200) == "");
     CHECK(presence_fault({"wrecking-ball", 12}, {}, 200) == "");
@@ -216,7 +218,7 @@ TEST_CASE("the wrecking ball comes to hang when it is slowed down, and is swung 
         farthest = max(farthest, abs(place_of_player(world, 0).z));
     }
     CHECK(farthest > 2_r);
-    CHECK(farthest < 3.2_r); // the mast stands at 5 m
+    CHECK(farthest < 3.2_r); // the mast is 5 m away
 }
 
 } // namespace lockstone::test

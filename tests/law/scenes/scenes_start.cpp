@@ -1,4 +1,4 @@
-// What holds for every built-in scene.
+// Properties of every built-in scene.
 #include "support/scripted_inputs.h"
 
 #include <doctest/doctest.h>

@@ -53,10 +53,10 @@ TEST_CASE("two blocks fall, meet above the ground, bounce apart, land again and 
     for (const Hit& hit : hits) INFO(hit.tick, " ", hit.who);
 
     REQUIRE_FALSE(hits.empty());
-    CHECK(hits[0].who == "1-ground"); // figure 2: the first bounces off the ground
+    CHECK(hits[0].who == "1-ground"); // figure 2: the first block bounces off the ground
     const std::uint64_t meeting = tick_of(hits, "1-2", hits[0].tick);
     CHECK(meeting < 120);
-    CHECK(tick_of(hits, "2-ground", 0) > meeting); // figure 3: the second turns back in the air
+    CHECK(tick_of(hits, "2-ground", 0) > meeting); // figure 3: the second block turns back in the air
     CHECK(tick_of(hits, "1-ground", meeting) != ~std::uint64_t{0}); // figure 4: both land again
     CHECK(tick_of(hits, "2-ground", meeting) != ~std::uint64_t{0});
     CHECK(world.kinetic_energy() < 0.001_r); // and settle

@@ -1,4 +1,4 @@
-// The library and what is made of its assets: ids, solids, masses, drawings.
+// The asset library and the objects made from its assets: ids, solids, masses, drawings.
 #include "fuzz/asset_samples.h"
 #include "lockstone/math/math.h"
 #include "oracle/double_shapes.h"
@@ -44,7 +44,7 @@ struct Measured {
     std::size_t open_edges = 0;
 };
 
-/// By the divergence theorem in double; edges are matched by position.
+/// Measures by the divergence theorem in double precision. Edges are matched by position.
 Measured measure(const TriangleSoup& soup) {
     Measured m;
     std::map<std::array<std::int64_t, 3>, int> names;
@@ -77,7 +77,8 @@ Measured measure(const TriangleSoup& soup) {
     return m;
 }
 
-/// Empty when the mass properties at density 1 are those of the drawing, to a relative error.
+/// Returns an error sentence unless the mass properties at density 1 agree with those of the drawing, to a relative
+/// error.
 std::string compare(const MassProperties& m, const Measured& e, double relative) {
     const double size = std::sqrt(e.second[0] + e.second[1] + e.second[2]);
     if (std::abs(oracle::as_double(m.mass) - e.volume) > relative * e.volume) return "volume";
@@ -151,11 +152,11 @@ TEST_CASE(
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().message.find("asset set: asset 2 of 3: asset: checksum is") != std::string::npos);
     CHECK(none.ids().empty());
-    // An asset that was there before a set was refused stays.
+    // An asset that was in the library before a refused set remains.
     REQUIRE(none.add(other).ok());
     CHECK_FALSE(none.add(damaged).ok());
     CHECK(none.ids() == std::vector<AssetId>{shapes::id_of(other)});
-    // A set in a set is no asset, and nothing follows the last asset.
+    // A set inside a set is no asset, and no bytes may follow the last asset.
     const AssetBytes nested[] = {hull, encode_assets(in_order)};
     CHECK_FALSE(none.add(encode_assets(nested)).ok());
     AssetBytes longer = encode_assets(in_order);

@@ -121,7 +121,7 @@ TEST_CASE("parts cover the solid, keep to their number, and exceed it less the m
 
 TEST_CASE("a surface knows inside from outside, though triangles be missing") {
     Soup soup = hollow_box();
-    soup.triangles.erase(soup.triangles.begin()); // half of one outer side
+    soup.triangles.erase(soup.triangles.begin()); // removes half of one outer side
     const Surface surface(soup);
     CHECK(surface.contains({1.5, 0.3, 0.2}));
     CHECK_FALSE(surface.contains({0.1, 0.3, 0.2}));

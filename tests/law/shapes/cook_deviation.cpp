@@ -1,4 +1,4 @@
-// The deviation check finds what was moved: each measure with its planted twin.
+// The deviation check detects changes: each measure with its planted fault.
 #include "cook/cook.h"
 #include "cook/deviation.h"
 #include "lockstone/math/convert.h"
@@ -48,7 +48,8 @@ TEST_CASE("parts deviate from their solid by nothing, and by what a corner was m
     CHECK(deviation_of_solids(el, surface, parts).value().result_to_source == test::about(0.05));
     parts.pop_back();
     CHECK(deviation_of_solids(el, surface, parts).value().source_to_result == test::about(2));
-    CHECK(deviation_of_solids(el, surface, {hull_of(el)}).value().result_to_source > 0.4); // the L filled up
+    // the hull fills the notch of the L
+    CHECK(deviation_of_solids(el, surface, {hull_of(el)}).value().result_to_source > 0.4);
 }
 
 TEST_CASE("a surface deviates from itself by nothing, and by what one of its vertices was moved") {

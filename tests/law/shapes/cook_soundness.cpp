@@ -24,7 +24,7 @@ Soup turned_inside_out(Soup soup) {
     return soup;
 }
 
-/// The notes of what is made, in one text.
+/// The notes of the cooked assets, as one text.
 std::string notes_of(const Soup& model, const CookOptions& options) {
     const Result<Cooked> made = cook::cook(model, options);
     if (!made) return "refused: " + made.error().message;
@@ -128,7 +128,8 @@ TEST_CASE("a ball takes the corners that it needs, and as many as it is given") 
 TEST_CASE("a model of any number of triangles becomes parts within ten seconds of a processor" *
           doctest::skip(test::is_too_long_here())) {
     const std::clock_t begun = std::clock();
-    const Result<Cooked> made = cook::cook(torus(1, 0.3, 300, 100), {.as = Wanted::convex}); // 60,000
+    const Result<Cooked> made =
+        cook::cook(torus(1, 0.3, 300, 100), {.as = Wanted::convex}); // 60,000 triangles
     CHECK(static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC < 10);
     REQUIRE(made.ok());
     CHECK(made->parts <= 32);

@@ -1,4 +1,4 @@
-// Building shapes and refusing bad ones with a sentence that helps.
+// Functions that make shapes: they refuse invalid ones with a helpful sentence.
 #include "lockstone/shape.h"
 
 #include <doctest/doctest.h>

@@ -54,8 +54,8 @@ Hull hull_of(const Points& points) {
     return std::move(*made);
 }
 
-/// Empty when the surface is closed, everywhere convex and made of corners, by integer determinants of every triangle
-/// with every vertex.
+/// Returns an error sentence unless the surface is closed, convex everywhere and uses all vertices, by integer
+/// determinants of every triangle with every vertex.
 std::string check_surface(const Hull& h, const Points& inside) {
     std::set<std::pair<int, int>> directed;
     std::set<int> used;
@@ -77,7 +77,8 @@ std::string check_surface(const Hull& h, const Points& inside) {
     return {};
 }
 
-/// Faces: their outlines cover every edge between two of them once, all of the hull is below them, and few are needed.
+/// Checks the faces: their outlines cover every edge between two faces once, the whole hull is below each, and their
+/// number is small.
 std::string check_faces(const Hull& h) {
     std::set<std::pair<int, int>> directed;
     std::size_t on_faces = 0;
@@ -150,7 +151,7 @@ Points rotated_box(oracle::RandomReal& random, double size) {
 
 TEST_CASE("a cube has 8 corners, 6 faces, 12 edges, 12 triangles") {
     Points points = box_corners(1, 2, 3);
-    // Repeated corners, points on edges, on faces and inside are nothing new.
+    // Repeated corners and points on edges, on faces and inside change nothing.
     for (const LengthVec3& p : box_corners(1, 2, 3)) points.push_back(p);
     points.insert(points.begin(), {point(0, 0, 0), point(1, 2, 0), point(1, 0, 3), point(1, 0, 0),
                                    point(-1, -2, 1), point(0, 2, 3)});
@@ -198,7 +199,7 @@ TEST_CASE("255 points on a sphere are all corners, 256 are too many") {
     require_good(h, points);
     CHECK(h.vertices.size() == 255);
     CHECK(h.triangles.size() == 506);
-    CHECK(h.faces.size() > 490); // a few of four points in one plane
+    CHECK(h.faces.size() > 490); // some faces have four points in one plane
     CHECK(as_double(h.properties.mass) == test::about(33.51, 0.03));
     CHECK(make_hull(on_sphere(256, 2)).error().message == "hull has 256 corners, it may have 255");
 }

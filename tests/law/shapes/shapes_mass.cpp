@@ -25,7 +25,7 @@ struct Body {
     double inertia[3][3] = {};
 };
 
-/// The parallel axis theorem in double, with masses instead of shares.
+/// The parallel axis theorem in double precision, with masses instead of shares.
 Body combine_double(const std::vector<MassPart>& parts) {
     Body body;
     std::vector<D3> at;

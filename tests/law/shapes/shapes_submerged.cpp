@@ -1,4 +1,4 @@
-// What of a shape is below a plane, and the area it shows, against sums over a fine grid in double.
+// The part of a shape below a plane, and its projected area, against sums over a fine grid in double precision.
 #include "shapes/shown_area.h"
 #include "shapes/submerged.h"
 #include "support/about.h"
@@ -13,7 +13,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// Whether a point is inside a primitive.
+/// Returns whether a point is inside a primitive.
 bool inside(const Geometry& g, D3 p) {
     const D3 h = to_double(to<Real>(g.half_extent));
     const double r = to_double(g.radius), rho = std::hypot(p[0], p[2]);
@@ -35,7 +35,7 @@ struct Part {
     double fraction;
     D3 center;
 };
-/// By a grid of n^3 points.
+/// The part below the plane, by a grid of n^3 points.
 Part part_below(const Geometry& g, D3 normal, double offset, int n) {
     const D3 h = to_double(to<Real>(g.half_extent));
     const double r = to_double(g.radius);
@@ -54,7 +54,7 @@ Part part_below(const Geometry& g, D3 normal, double offset, int n) {
     return {below / all, below > 0 ? (1 / below) * sum : D3{}};
 }
 
-/// The worst errors over random planes.
+/// The largest errors over random planes.
 struct Worst {
     double fraction = 0, center = 0;
 };
@@ -88,7 +88,7 @@ TEST_CASE("the part of a shape below a plane is that of a fine grid") {
     for (const Geometry& g : primitives) {
         INFO(std::string(name_of(g.kind)));
         const Worst worst = worst_of(g);
-        CHECK(worst.fraction < to_double(shapes::submerged_error) + 0.004); // and what the grid is off
+        CHECK(worst.fraction < to_double(shapes::submerged_error) + 0.004); // plus the error of the grid
         CHECK(worst.center < 0.012);
     }
 }

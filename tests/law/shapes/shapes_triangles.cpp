@@ -1,4 +1,4 @@
-// Meshes and height fields: queries against brute force, neighbours, edges, and one against the other.
+// Meshes and height fields: queries against brute force, neighbours, edges, and a comparison of the two.
 #include "lockstone/math/math.h"
 #include "oracle/double_shapes.h"
 #include "shapes/mesh/height_field.h"
@@ -34,7 +34,7 @@ Vec3 random_point(oracle::RandomReal& random, double size) {
     return {real(x), real(y), real(z)};
 }
 
-/// Small triangles strewn over a cube, and a few as large as it.
+/// Small triangles scattered over a cube, and a few as large as the cube.
 Soup strewn(oracle::RandomReal& random, std::uint32_t count, double size) {
     Soup soup;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -48,7 +48,7 @@ Soup strewn(oracle::RandomReal& random, std::uint32_t count, double size) {
     return soup;
 }
 
-/// A library with one asset, and the solid that it makes.
+/// A library with one asset, and the solid of that asset.
 struct Holder {
     AssetLibrary library;
     Solid solid;
@@ -100,7 +100,7 @@ std::vector<std::uint32_t> brute_force(const Solid& solid, const Extent& box) {
     return out;
 }
 
-/// How many of the boxes are answered as by brute force; `shifted` damages the queries.
+/// Counts the boxes whose query gives the brute-force result. `shifted` damages the queries.
 int agreements(const Solid& solid, int boxes, Coordinate shifted = Coordinate{}) {
     oracle::RandomReal random(99);
     int good = 0;
@@ -141,7 +141,7 @@ Terrain random_terrain(oracle::RandomReal& random, std::uint32_t columns, std::u
         t.cells.push_back(static_cast<std::uint8_t>(random.below(5) == 0 ? 255 : random.below(7)));
     return t;
 }
-/// The same triangles as a mesh.
+/// The triangles of the terrain as a soup.
 Soup soup_of(const Terrain& t) {
     Soup soup;
     const Real spacing = to<Real>(t.def().spacing);
@@ -167,13 +167,13 @@ std::array<std::int64_t, 9> key_of(const Triangle& t) {
     return key;
 }
 
-/// Equal but for the last bit: one is made of slopes, the other of corners.
+/// Equal except for the last bit: one normal comes from slopes, the other from corners.
 bool same(UnitVec3 a, UnitVec3 b) {
     const UnitVec3 d = abs(a - b);
     return max(d.x, max(d.y, d.z)) <= Unit::step();
 }
 
-/// Empty when both have the same triangles with the same properties.
+/// Returns a sentence unless both have equal triangles with equal properties.
 std::string difference(const Solid& field, const Solid& mesh) {
     std::map<std::array<std::int64_t, 9>, Triangle> of_mesh;
     for (std::uint32_t i = 0; i < triangle_count(mesh); ++i)

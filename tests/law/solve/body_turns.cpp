@@ -1,4 +1,5 @@
-// Bodies begin and end a tick alike in lanes and one by one, and alike whether they share what their traits say or not.
+// Bodies begin and end a tick with equal results in lanes and one by one, and whether or not they share the values that
+// their traits determine.
 #include "lockstone/math/random.h"
 #include "support/rigs/joint_rig.h"
 
@@ -9,7 +10,7 @@ using namespace lockstone::test::rig;
 
 namespace {
 
-/// A kernel that counts what another one takes and leaves, and may set a bit wrong.
+/// Wraps a kernel, counts the bodies that it handles and those that it leaves to the scalar code, and may flip one bit.
 struct Counted {
     static inline const BodyKernel* real = nullptr;
     static inline std::uint32_t begun, not_begun, ended, not_ended;
@@ -39,10 +40,11 @@ struct Counted {
 double chance(Random& random, double least, double most) {
     return least + (most - least) * to_double(random.uniform());
 }
-/// 10^x for x between the two.
+/// 10^x for a random x between the two.
 double size(Random& random, double least, double most) { return std::pow(10.0, chance(random, least, most)); }
 
-/// Bodies of all sizes and spins: rods, plates, cubes, with axes of their own or without; some near the end of the world.
+/// Bodies of all sizes and spins: rods, plates, cubes, with and without principal axes of their own; some near the end
+/// of the world.
 void add_bodies(Rig& rig, std::uint64_t seed) {
     Random random = Random::seeded(seed);
     for (int i = 0; i < 3000; ++i) {
@@ -82,7 +84,8 @@ bool is_alike(const BodyStep& a, const BodyStep& b) {
            a.radii_inv == b.radii_inv;
 }
 
-/// Larger radii for some, as joints that pull hard ask for. Planted: they end the tick as if they had those of their traits.
+/// Gives some bodies larger radii, as joints that pull hard do. `planted`: the bodies end the tick with the radii of
+/// their traits.
 void stiffen_some(Rig& rig, const StepConstants& step, bool planted) {
     for (std::uint32_t row = 0; row < rig.info.size(); row += 7) {
         if (!rig.bodies.step[row].movable) continue;
@@ -92,7 +95,7 @@ void stiffen_some(Rig& rig, const StepConstants& step, bool planted) {
     }
 }
 
-/// How many bodies begin or end the tick otherwise.
+/// Returns how many bodies begin or end the tick with other values in lanes than alone.
 int differences(std::uint64_t seed, const BodyKernel* kernel, bool stiff_as_traits = false) {
     Rig alone, lanes;
     add_bodies(alone, seed), add_bodies(lanes, seed);
@@ -147,7 +150,7 @@ TEST_CASE("bodies begin a tick alike where they share what their traits say and 
             for (std::uint32_t i = 0; i < 80; i += 3) rig->traits[i].linear_damping = real(0.1 * i);
             for (std::uint32_t i = 0; i < rig->info.size(); i += 5) rig->info[i].first_joint = 1;
         }
-        // No force at all, and one that is zero; planted: one that is not.
+        // No force at all, and a force of zero. The planted fault: a force that is not zero.
         shared.pushes.assign(shared.pushes.size(), 0);
         if (faulty) alone.force[100].force = vec(1, 0, 0);
         begin_step(alone.columns(), alone.gravity, step, alone.bodies);
@@ -169,9 +172,9 @@ TEST_CASE("bodies begin and end a tick alike in lanes and alone") {
             const BodyKernel kernel = Counted::of(*kernels->bodies, faulty);
             const int different = differences(7, &kernel);
             CHECK((different != 0) == faulty); // planted fault: one bit of one body of a chunk
-            // Planted fault: what is stiffer ends as its traits say.
+            // Planted fault: stiffened bodies end the tick with the radii of their traits.
             if (!faulty) CHECK(differences(7, &kernel, true) > 10);
-            // Most are done in lanes, and some are not.
+            // Lanes handle most bodies, but not all.
             CHECK(Counted::begun > 4 * Counted::not_begun);
             CHECK(Counted::ended > 2 * Counted::not_ended);
             CHECK(Counted::not_begun > 0);

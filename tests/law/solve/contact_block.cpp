@@ -14,9 +14,9 @@ namespace {
 
 constexpr double g = 9.81, degree = 3.14159265358979323846 / 180;
 
-// ---- symmetry --------------------------------------------------------------------------------------------------------
+// ---- symmetry -------------------------------------------------------------------------------------------------------
 
-/// Nothing of a tower's symmetric rows may lean to a side: what is left are the roundings of a position.
+/// The symmetric rows of a tower must not push it to a side. Only the rounding of positions remains.
 constexpr double off_axis_max = 1e-6;
 
 /// A tower of ten flush boxes, all upright on one axis.
@@ -28,7 +28,7 @@ struct Tower {
         add_floor(w);
         boxes = add_stack(w, 10);
     }
-    /// The farthest that a box is off the axis [m], or turns [rad/s], after so many ticks.
+    /// The farthest that a box is off the axis [m], or the fastest that it turns [rad/s], after so many ticks.
     double off_axis_after(int ticks) {
         for (int t = 0; t < ticks; ++t) w.tick();
         double most = 0;
@@ -40,8 +40,8 @@ struct Tower {
     }
 };
 
-/// A plank on two posts with a load at +x or at -x; where plank and load are after 2 s, mirrored back to +x. The floor under the post
-/// away from the load is lower by `hollow` [m].
+/// A plank on two posts with a load at +x or at -x. Returns the places of plank and load after 2 s, mirrored to +x. The
+/// floor under the post away from the load is lower by `hollow` [m].
 std::array<D3, 2> loaded_plank(double side, double hollow = 0) {
     World w = made(World::create(small_def()));
     for (const double x : {-1.5, 1.5}) {
@@ -58,7 +58,8 @@ std::array<D3, 2> loaded_plank(double side, double hollow = 0) {
     return out;
 }
 
-/// Between a load on the right and one on the left, mirrored; under the left one's far post the floor is lower by `hollow` [m].
+/// The difference between a load on the right and one on the left, mirrored. The floor under the left load's far post
+/// is lower by `hollow` [m].
 double mirror_error(double hollow = 0) {
     const auto right = loaded_plank(1), left = loaded_plank(-1, hollow);
     return std::max(length(right[0] - left[0]), length(right[1] - left[1]));
@@ -78,18 +79,19 @@ TEST_CASE("planted fault: a tower is on its axis until a box of it is pushed asi
 }
 
 TEST_CASE("a load on the left presses as one on the right does") { CHECK(mirror_error() < mirror_max); }
-// Both begin in the same place. The far post sinks by the hollow, the plank's middle by half of it: 0.1 mm, twice the bound.
+// Both planks begin in the same place. The far post sinks by the hollow and the plank's middle by half of it: 0.1 mm,
+// twice the bound.
 TEST_CASE("planted fault: a floor that is 0.2 mm lower under the far post is found out") {
     CHECK_FALSE(mirror_error(2e-4) < mirror_max);
 }
 
-// ---- statics ---------------------------------------------------------------------------------------------------------
+// ---- statics --------------------------------------------------------------------------------------------------------
 
 namespace {
 
-/// What the floor's four points give a box at rest under gravity that is tilted towards +x, in units of its weight:
-/// along the normal, along the floor, and the normal impulses' centre, in units of half an edge. `least` is the least
-/// normal impulse of any point.
+/// The support of a box at rest by the floor's four points, under gravity that is tilted towards +x: the impulses along
+/// the normal and along the floor, in units of the weight, and the centre of the normal impulses, in units of half an
+/// edge. `least` is the least normal impulse of any point.
 struct Support {
     double normal, along, centre, least;
 };
@@ -102,7 +104,8 @@ Support support(double degrees) {
     add(w, {.pose = at(0, 0.5, 0)},
         {.geometry = box(real(0.5), real(0.5), real(0.5)), .friction = real(0.9)});
     for (int t = 0; t < 120; ++t) w.tick();
-    sim::Data d(w.def(), w.schema(), w.assets_shared()); // the next tick, with its scratch left to look into
+    // runs the next tick in data whose scratch the test can read
+    sim::Data d(w.def(), w.schema(), w.assets_shared());
     d.state = w.state();
     sim::tick(d);
     const double unit = g / (def.tick_rate * def.substeps);
@@ -127,7 +130,7 @@ Support support(double degrees) {
     return s;
 }
 
-/// How far the support of a box is from what statics says at this tilt.
+/// Returns the largest difference between the support of a box and the result of statics at this tilt.
 double support_error(double degrees, double claimed) {
     const Support s = support(degrees);
     const double a = claimed * degree;

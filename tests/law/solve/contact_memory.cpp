@@ -1,4 +1,4 @@
-// What a manifold takes over from those of the tick before, over the whole range of places.
+// The impulses that a manifold takes over from the previous tick's manifolds, for points at all distances.
 #include "solve/contacts/contact_memory.h"
 #include "lockstone/math/convert.h"
 
@@ -21,7 +21,7 @@ ContactMemory one_point(double x, double y, double z, std::uint32_t feature, std
     return m;
 }
 
-/// The impulse that a fresh point takes from an old one of another feature.
+/// Returns the impulse that a fresh point takes from an old one of another feature.
 Speed taken_from(const ContactMemory& old, ContactMemory fresh) {
     Taken taken;
     carry_impulses(std::span(&old, 1), taken, fresh);
@@ -32,7 +32,7 @@ Speed taken_from(const ContactMemory& old, ContactMemory fresh) {
 
 namespace {
 
-/// Places that are so far apart, along one axis, two and three, from which `judge` takes an impulse.
+/// Counts the pairs of points this far apart, along one axis, two and three, where `judge` takes over an impulse.
 template <class Judge> int taken_from_afar(double apart, Judge&& judge) {
     const double half = apart / 2;
     int taken = 0;

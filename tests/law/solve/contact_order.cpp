@@ -1,4 +1,4 @@
-// In what order contacts are solved: from the top down.
+// The order in which the solver visits contacts: from the top of a heap down.
 #include "solve/contacts/contact_order.h"
 #include "solve/contacts/contact.h"
 #include "solve/contacts/contact_packs.h"
@@ -18,22 +18,22 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// A heap as the order sees it: the first body stands still, of the others each touches some before it.
+/// The data of a heap that the order uses. The first body is static; each other body touches some before it.
 struct Heap {
     SolverBodies bodies;
     std::vector<Contact> contacts;
-    std::vector<Transform> poses; ///< of all bodies but the last
+    std::vector<Transform> poses; ///< all bodies but the last
     ContactOrder order;
 };
 
-/// The heads of contacts, by which the solver orders them.
+/// The heads of contacts, which the order reads.
 std::vector<ContactHead> heads_of(std::span<const Contact> contacts) {
     std::vector<ContactHead> heads;
     for (const Contact& contact : contacts) heads.push_back(head_of(contact));
     return heads;
 }
 
-/// Two bodies that touch at four points.
+/// A contact of two bodies at four points.
 Contact touch_of(std::uint32_t a, std::uint32_t b) {
     Contact contact;
     contact.body_a = a, contact.body_b = b, contact.count = 4;
@@ -63,7 +63,7 @@ Heap heap_of(std::uint32_t count, double deepest, std::uint64_t seed) {
     return heap;
 }
 
-/// Where two contacts move the same body, and the one that is solved later is higher up. `upwards`: is lower.
+/// Returns an error sentence where two contacts move one body and the later one is higher up; `upwards`: is lower.
 std::string out_of_levels(const Heap& heap, bool upwards = false) {
     std::vector<std::uint64_t> last(heap.bodies.body.size(), upwards ? 0 : ~std::uint64_t{0});
     for (const std::uint32_t i : heap.order.down_from_the_top()) {
@@ -79,8 +79,8 @@ std::string out_of_levels(const Heap& heap, bool upwards = false) {
     return {};
 }
 
-/// Contacts that do not come once, and where a contact is in no later pack than one before it that moves the same body. `rank`: when each pack is
-/// solved.
+/// Returns an error sentence where a contact is in no pack or in two, or where its pack is solved no later than that of
+/// an earlier contact that moves the same body. `rank`: by pack, its place in the order of solving.
 std::string out_of_order(const Heap& heap, std::uint32_t lanes, std::span<const std::uint32_t> packed,
                          std::span<const std::uint32_t> rank) {
     constexpr std::uint32_t none = ContactPacks::no_contact;
@@ -107,7 +107,8 @@ std::string out_of_order(const Heap& heap, std::uint32_t lanes, std::span<const 
     return out_of_order(heap, lanes, packed, rank);
 }
 
-/// visit(piece, PieceAt) as workers come to it of which `hasty` is always as far as it may be, and another one works only where nobody else can.
+/// Calls visit(piece, PieceAt) in the order in which workers reach the pieces, if strand `hasty` always runs as far as
+/// it can and each other strand runs only when no strand before it can.
 template <class Visit>
 void for_hasty(const base::StrandPlan& plan, std::uint32_t rounds, std::uint32_t hasty, const Visit& visit) {
     std::uint32_t done[base::strands_max] = {};
@@ -134,7 +135,7 @@ void for_hasty(const base::StrandPlan& plan, std::uint32_t rounds, std::uint32_t
     }
 }
 
-/// When packs are solved then.
+/// Returns the place of each pack in that order.
 std::vector<std::uint32_t> ranks(const base::StrandPlan& plan, std::size_t packs, std::uint32_t hasty) {
     std::vector<std::uint32_t> rank(packs, ContactPacks::no_contact);
     std::uint32_t now = 0;
@@ -146,7 +147,7 @@ std::vector<std::uint32_t> ranks(const base::StrandPlan& plan, std::size_t packs
 
 constexpr int per_side = 4, layers = 20;
 
-/// Balls, boxes and capsules of a metre that are dropped into a pit of 5 x 5 m, in layers up to 26 m high.
+/// Balls, boxes and capsules of a metre, dropped into a pit of 5 x 5 m in layers up to 26 m high.
 World dropped(std::uint64_t seed) {
     RandomPoint random(seed);
     WorldDef def;
@@ -185,11 +186,11 @@ TEST_CASE("contacts are solved from the top down, however deep they are") {
         for (const double deepest : {0.0024, 0.15}) {
             const Heap heap = heap_of(200, deepest, seed);
             CHECK(out_of_levels(heap) == "");
-            CHECK(out_of_levels(heap, true) != ""); // twin
+            CHECK(out_of_levels(heap, true) != ""); // negative control
         }
 }
 
-// Every contact of a heap has points; half of them have carried something, and some have one point.
+// Every contact of a heap has points. Half of the contacts carry an impulse, and some have one point.
 TEST_CASE("packs leave contacts in order") {
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
         for (const std::uint32_t lanes : {1u, 2u, 4u, 8u}) {
@@ -206,7 +207,7 @@ TEST_CASE("packs leave contacts in order") {
             const std::vector<std::uint32_t> lost(packed.begin(), packed.end() - lanes);
             std::vector<std::uint32_t> reversed(packed.begin(), packed.end());
             std::reverse(reversed.begin(), reversed.end());
-            CHECK(out_of_order(heap, lanes, lost) != ""); // twins
+            CHECK(out_of_order(heap, lanes, lost) != ""); // negative controls
             CHECK(out_of_order(heap, lanes, reversed) != "");
         }
 }
@@ -224,7 +225,7 @@ TEST_CASE("strands leave contacts in order, whoever of the workers is ahead") {
                 CHECK(plan.strands <= std::min(workers, base::strands_max));
                 shared += plan.strands == workers ? 1 : 0;
                 const std::size_t packs = made.contact_of_lane().size() / lanes;
-                base::StrandPlan hurried = plan; // twin: nobody waits
+                base::StrandPlan hurried = plan; // negative control: no waits
                 for (base::PieceWait& wait : hurried.waits) wait.pieces = 0;
                 for (std::uint32_t hasty = 0; hasty < plan.strands; ++hasty) {
                     CHECK(out_of_order(heap, lanes, made.contact_of_lane(), ranks(plan, packs, hasty)) == "");
@@ -236,12 +237,13 @@ TEST_CASE("strands leave contacts in order, whoever of the workers is ahead") {
     CHECK(too_early > 500);
 }
 
-/// What is wrong where all passes are one run: contacts that move a body out of order, in a pass or from pass to pass, or what is done to it between
-/// two passes, which is not to be while any contact of its pass moves it.
+/// Checks a run of all passes. Returns an error sentence where contacts that move a body are out of order, within a
+/// pass or between passes, or where the work on the body between two passes comes before the last contact of its pass
+/// or after the first one of the next.
 std::string out_of_passes(const Heap& heap, std::uint32_t lanes, const ContactPacks& packs,
                           const base::StrandPlan& plan, std::uint32_t hasty) {
     constexpr std::uint32_t passes = 3;
-    // By body: its contacts in order, and how many things were done to it so far.
+    // By body: its contacts in order, and the number of operations on it so far.
     std::vector<std::vector<std::uint32_t>> contacts_of(heap.bodies.body.size());
     for (const std::uint32_t i : heap.order.down_from_the_top())
         for (const std::uint32_t b : {heap.contacts[i].body_a, heap.contacts[i].body_b})
@@ -275,10 +277,10 @@ std::string out_of_passes(const Heap& heap, std::uint32_t lanes, const ContactPa
     return wrong;
 }
 
-/// A tower of walls, one upon another: so deep that all passes are one run.
+/// A tower of walls, deep enough that all passes are one run.
 Heap tower_of(std::uint32_t layers_high, std::uint32_t wide) {
     Heap heap;
-    const std::uint32_t count = layers_high * wide + 1; // the first stands still
+    const std::uint32_t count = layers_high * wide + 1; // the first is static
     heap.bodies.body.resize(count + 1);
     heap.bodies.step.resize(count + 1);
     for (std::uint32_t b = 1; b < count; ++b) heap.bodies.step[b].movable = true;
@@ -305,7 +307,7 @@ TEST_CASE("all passes of a tick as one run leave contacts in order, and what com
             REQUIRE(made.runs_all_passes());
             REQUIRE(made.plan().strands == workers);
             base::StrandPlan hurried = made.plan(),
-                             forgetful = made.plan(); // twins: nobody waits; not for the last pass
+                             forgetful = made.plan(); // negative controls: no waits; none for the last pass
             for (base::PieceWait& wait : hurried.waits) wait.pieces = 0;
             for (base::PieceWait& wait : forgetful.waits)
                 if (wait.of_last_round) wait.pieces = 0;
@@ -342,7 +344,7 @@ TEST_CASE("a large world of islands is solved island by island, in strands that 
         for (std::uint32_t hasty = 0; hasty < made.plan().strands; ++hasty)
             CHECK(out_of_passes(heap, 4, made, made.plan(), hasty) == "");
     }
-    heap.contacts[3].body_a = 2; // one island that all others lean on: no more
+    heap.contacts[3].body_a = 2; // one island that supports all others: the passes are no longer one run
     for (std::uint32_t i = 1; i < towers; ++i) heap.contacts[3 * i].body_a = 1;
     heap.order.find(heads_of(heap.contacts), heap.bodies);
     ContactPacks made;
@@ -365,7 +367,7 @@ TEST_CASE("packs serve again while the order is the same, and not longer") {
     CHECK(heap.order.version() == version);
     made.make(heap.order, wanted, heap.poses);
     CHECK(list(made) == first);
-    for (std::size_t i = 0; i < heap.contacts.size(); i += 3) // too many are of another sort
+    for (std::size_t i = 0; i < heap.contacts.size(); i += 3) // too many contacts change their kind
         heap.contacts[i].points[0].impulse = Speed::from_raw(1);
     heap.order.find(heads_of(heap.contacts), heap.bodies);
     CHECK(heap.order.version() == version);
@@ -388,21 +390,22 @@ TEST_CASE("packs serve again while the order is the same, and not longer") {
     CHECK(is_ordered_anew([](Heap& h) { std::swap(h.contacts[100].body_b, h.contacts[200].body_b); }));
     CHECK(is_ordered_anew([](Heap& h) { h.contacts.pop_back(); }));
     CHECK(is_ordered_anew([](Heap& h) { h.bodies.step[5].movable = false; }));
-    CHECK(is_ordered_anew([](Heap& h) { // nothing touches what stands still any more
+    CHECK(is_ordered_anew([](Heap& h) { // no point touches a static body any more
         for (Contact& c : h.contacts)
             for (solve::ContactPoint& point : c.points) point.separation = Separation::max();
     }));
 }
 
-// Four centimetres are half of what Box3D leaves in such a heap of a thousand, and a third more than Bullet. Where loads are
-// forgotten as if they were impacts, four of these eight heaps stay deeper; of two dozen correct heaps one or two do.
+// 40 mm is half of Box3D's overlap in such a heap of a thousand bodies, and a third more than Bullet's. A solver that
+// drops loads as if they were impacts fails the bound in four of these eight heaps; a correct one fails it in one or
+// two of 24.
 TEST_CASE("what is rammed into each other when a heap lands comes apart, in three of four heaps at least") {
     int deeper = 0;
     for (int seed = 1; seed <= test::tries(8); ++seed) {
         World w = dropped(static_cast<std::uint64_t>(seed));
         double while_landing = 0;
         for (int t = 0; t < 100; ++t) while_landing = std::max(while_landing, deepest_mm(w, 1));
-        CHECK(while_landing > 40); // twin: it is rammed
+        CHECK(while_landing > 40); // negative control: the landing rams bodies
         deeper += deepest_mm(w, 500) < 40 ? 0 : 1;
     }
     CHECK(deeper <= test::tries(8) / 4);

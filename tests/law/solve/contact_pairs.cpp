@@ -1,4 +1,4 @@
-// Which pairs of shapes get contacts, and which leave rows in the state.
+// The pairs of shapes that get contacts, and the pairs that leave rows in the state.
 #include "model/manifest.h"
 #include "support/sim_scenes.h"
 
@@ -13,8 +13,8 @@ std::uint32_t contact_rows(const World& w) {
     return w.state().count(sim::make_manifest(w.def(), {}).contacts.contacts);
 }
 
-/// Two crates 0.1 m apart, with these velocities along the gap (x) and across it (z), and one that turns the second about z; after
-/// a tick.
+/// Two crates 0.1 m apart, after a tick. They have these velocities along the gap (x) and across it (z), and the second
+/// one turns about z with this spin.
 World two_crates(double toward, double across_a, double across_b, double turning = 0) {
     World w = made(World::create(weightless()));
     add(w, {.pose = at(0, 0, 0), .linear_velocity = vec(toward, 0, across_a)},
@@ -42,7 +42,8 @@ TEST_CASE("contacts reach ahead by what two shapes near each other, not by how f
 }
 
 TEST_CASE("of what is near, only points that close within the tick are contacts") {
-    // Past each other at 20 m/s. An edge of the second comes at half a metre per radian: 0.125 m in the tick, or 0.025.
+    // They pass each other at 20 m/s. An edge of the second crate turns towards the first one by half a metre per
+    // radian: 0.125 m in the tick, or 0.025 m.
     const World turns = two_crates(0, 0, 20, 15), turns_slowly = two_crates(0, 0, 20, 3),
                 turns_back = two_crates(0, 0, 20, -15), comes = two_crates(9, 0, 20);
     CHECK(turns_slowly.contacts().empty());
@@ -73,7 +74,7 @@ TEST_CASE("what comes fast lands on what it meets") {
 TEST_CASE("pairs that are near without a contact point leave nothing in the state") {
     World w = made(World::create(small_def()));
     add_floor(w);
-    // Corner past corner, 13 cm from face to face: their bounds overlap.
+    // Corners pass corners, with 13 cm between the faces: the bounds overlap.
     for (int i = 0; i < 8; ++i) add_crate(w, at(0.8 * i, 0.5, 0.8 * i, turned(axis_y, 45)));
     for (int t = 0; t < 30; ++t) w.tick();
     CHECK(contact_rows(w) == 8);

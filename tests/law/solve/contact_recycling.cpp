@@ -1,5 +1,5 @@
-// Manifolds that are used again: what solve/contacts/contact_memory.h says of their error holds against fresh ones, for what
-// lies on faces, edges and corners, and they are used again as far as it allows.
+// Recycled manifolds. Their error against fresh manifolds is within the bound that solve/contacts/contact_memory.h
+// states, on faces, edges and corners, and they are recycled as often as that bound allows.
 #include "lockstone/math/math.h"
 #include "oracle/double_shapes.h"
 #include "solve/contacts/contact_memory.h"
@@ -39,11 +39,12 @@ struct Chance {
 struct Pair {
     const char* what;
     shapes::Solid a, b;
-    double distance;                                     ///< of the centres at first
-    bool (*is_corner)(std::uint32_t feature, bool of_a); ///< which points are bound most tightly
+    double distance;                                     ///< between the centres at first
+    bool (*is_corner)(std::uint32_t feature, bool of_a); ///< the points with the tightest bound
 };
 
-/// A corner of the box that is not the one whose face gives the normal: `of_a`, A's face does.
+/// Returns whether the feature is a corner of the box whose face does not give the normal. `of_a`: the normal is of A's
+/// face.
 bool box_corner(std::uint32_t f, bool of_a) { return f >> 16 == (of_a ? 2u : 1u); }
 bool any(std::uint32_t, bool) { return true; }
 bool none(std::uint32_t, bool) { return false; }
@@ -110,7 +111,7 @@ class Trial {
         std::vector<ContactMemory> rows;
         for (std::uint32_t i = 0; i < made.count; ++i)
             rows.push_back(memory_of(made.items[i], pose, rotation));
-        // Lengths are bounded from above by up to 1.12 times.
+        // The bound of a length is up to 1.12 times the length.
         const double on_face = std::max(0.0001, std::min(0.001, as_double(thinnest) / 128));
         const double limit = std::min(made.items[0].on_face != 0 ? on_face : 0.0001, as_double(reach) / 256);
         const double most = limit * chance(0.3, 1), part = chance(0, 1);
@@ -132,7 +133,7 @@ class Trial {
     }
 
   private:
-    /// Brings B to within some millimetres of A.
+    /// Moves B to within some millimetres of A.
     bool touch() {
         const UnitVec3 from = chance.direction();
         const bool upright = pair.a.geometry.kind > ShapeKind::compound;
@@ -172,7 +173,7 @@ class Trial {
         const bool on_face = (row.flags & solve::contact_on_face) != 0;
         const UnitVec3 off = row.normal - fresh.normal;
         const double angle = std::sqrt(as_double(dot<Real>(off, off)));
-        // Another face is the better one now, or another way round an edge: nothing to compare with.
+        // The fresh manifold uses another face or another pair of edges, so there is no value to compare with.
         if (angle > (on_face ? 0.004 : 0.3) || (fresh.on_face != 0) != on_face) return;
         const auto is_axis = [](Unit u) { return abs(u) >= unit_one - Unit::from_raw(4); };
         const bool of_a = is_axis(row.normal.x) || is_axis(row.normal.y) || is_axis(row.normal.z);
@@ -240,7 +241,7 @@ TEST_CASE("a manifold that is used again is as wrong as its header says, and no 
         CHECK(worst.kept > 300);
         CHECK(worst.compared > 200);
         CHECK(worst.corner <= as_double(solve::recycling_error));
-        // Beyond the edge of a face a point is held on to by as much as it has moved.
+        // A point is kept beyond the edge of a face, by as much as it has moved.
         CHECK(worst.least <= as_double(solve::recycling_on_face));
     }
 }
@@ -263,7 +264,7 @@ TEST_CASE("what has moved or turned too far, or is near from further off, is mad
     CHECK_FALSE(serves(0, 0.0011));
     CHECK_FALSE(serves(0.0006, 0.0006));
     CHECK_FALSE(serves(0, 0, margin + Length::step()));
-    row.flags = 0; // the normal of an edge
+    row.flags = 0; // an edge gives the normal
     CHECK(serves(0.00009, 0));
     CHECK_FALSE(serves(0.00011, 0));
 }

@@ -1,4 +1,5 @@
-// What an x86 processor says of itself. Only MSVC's compilers ask it in the product, so this is where it is read.
+// Decodes the CPUID words of an x86 processor. Only builds by MSVC's compilers use this code, so other builds test it
+// here.
 #include "solve/lanes/cpuid.h"
 
 #include "lockstone/compiler.h"

@@ -1,4 +1,5 @@
-// Bodies that are followed as they spin: alike by every instruction set, and in lanes as in Real.
+// Followed bodies, whose turn the solver updates in each substep: all instruction sets give equal bits, and lanes agree
+// with Real.
 #include "lockstone/math/random.h"
 #include "support/rigs/joint_rig.h"
 
@@ -15,10 +16,11 @@ namespace {
 double chance(Random& random, double least, double most) {
     return least + (most - least) * to_double(random.uniform());
 }
-/// 10^x for x between the two.
+/// 10^x for a random x between the two.
 double size(Random& random, double least, double most) { return std::pow(10.0, chance(random, least, most)); }
 
-/// Rods and plates that spin. `extreme`: some far smaller, larger, thinner and faster than lanes have room for.
+/// Rods and plates that spin. `extreme`: some are far smaller, larger, thinner and faster than the lanes' numbers can
+/// hold.
 void add_spinning(Rig& rig, std::uint64_t seed, int count, bool extreme) {
     Random random = Random::seeded(seed);
     for (int i = 0; i < count; ++i) {
@@ -38,7 +40,7 @@ void add_spinning(Rig& rig, std::uint64_t seed, int count, bool extreme) {
     }
 }
 
-/// Two of three are held, and of these some are stiff.
+/// Two of three bodies have joints, and some of these are stiffened.
 void begin(Rig& rig, const StepConstants& step, bool stiffens) {
     begin_step(rig.columns(), Vec3{}, step, rig.bodies);
     for (std::uint32_t row = 0; row < rig.info.size(); ++row) {
@@ -51,7 +53,7 @@ void begin(Rig& rig, const StepConstants& step, bool stiffens) {
     follow_turns(rig.columns(), step, rig.bodies, nullptr);
 }
 
-/// What contacts or joints might add to u.
+/// Adds random changes to u, as contacts and joints do.
 void kick(Rig& rig, Random& random, double most) {
     for (std::size_t i = 0; i < rig.info.size(); ++i)
         for (std::int64_t& u : rig.bodies.body[i].u)
@@ -71,7 +73,7 @@ auto told(const FollowedTurn& turn) {
                       std::to_array(turn.turned), turn.rotation, turn.held, turn.stiff);
 }
 
-/// A kernel that sets a bit wrong, or has room for nothing.
+/// A kernel that flips a bit, or one whose lanes hold no body.
 struct Meddled {
     static inline FollowKernel real;
     static void answer(const FollowPass& pass, std::uint32_t first, std::uint32_t last) {
@@ -97,11 +99,11 @@ struct Meddled {
     }
 };
 
-/// How many bodies move or turn otherwise in some tick.
+/// Returns how many bodies move or turn otherwise in some tick.
 int differences(const BodyKernel& by, const BodyKernel* other) {
     Rig a, b;
     a.bodies.kernel = &by, b.bodies.kernel = other;
-    add_spinning(a, 5, 501, true), add_spinning(b, 5, 501, true); // lanes are left over
+    add_spinning(a, 5, 501, true), add_spinning(b, 5, 501, true); // 501 is no multiple of the lanes
     const StepConstants step = a.constants();
     Random random_a = Random::seeded(1), random_b = random_a;
     int different = 0, left = 0;
@@ -123,7 +125,7 @@ int differences(const BodyKernel& by, const BodyKernel* other) {
         for (std::size_t i = 0; i < a.info.size(); ++i)
             different += a.pose[i] == b.pose[i] && a.velocity[i] == b.velocity[i] ? 0 : 1;
     }
-    CHECK(left > 100); // not all are done in lanes
+    CHECK(left > 100); // the lanes leave some bodies to the scalar code
     return different;
 }
 
@@ -135,7 +137,7 @@ double distance(Quat a, Quat b) {
     return std::sqrt(sum);
 }
 
-/// The largest error of K^-1 of now by that of its rotation.
+/// Returns the largest difference between the followed K^-1 and the K^-1 of the body's rotation.
 double inertia_error(const Rig& rig, const FollowedTurn& turn) {
     BodyStep s = rig.bodies.step[turn.body];
     set_gyration(s, to_rotation(turn.rotation * turn.principal));
@@ -157,7 +159,7 @@ TEST_CASE("followed bodies turn alike by every instruction set") {
         const Kernels* kernels = kernels_of(level);
         if (kernels == nullptr) continue;
         CHECK(differences(*kernels->bodies, &scalar_bodies) == 0);
-        const BodyKernel faulty = Meddled::faulty(scalar_bodies); // planted fault: a bit
+        const BodyKernel faulty = Meddled::faulty(scalar_bodies); // planted fault: one bit
         CHECK(differences(*kernels->bodies, &faulty) > 0);
     }
     CHECK(differences(scalar_bodies, nullptr) == 0);
@@ -189,7 +191,7 @@ TEST_CASE("followed bodies turn in lanes as they do in Real") {
         turned = std::max(turned, distance(before.pose[row].rotation, alone.pose[row].rotation));
     }
     INFO(spin_error, " of w, ", turn_error, " of rotations, ", inverse_error, " of K^-1, ", turned);
-    CHECK(in_lanes > lanes.bodies.fours.size() * 2); // of eight substeps
+    CHECK(in_lanes > lanes.bodies.fours.size() * 2); // in two of eight substeps
     CHECK(turned > 0.5);
     CHECK(spin_error < 1e-5);
     CHECK(turn_error < 1e-6);

@@ -1,4 +1,4 @@
-// Friction: the frame it is remembered in, and no more of it than what presses allows.
+// Friction: the tangents in which its impulses are stored, and its bound by the normal impulse.
 #include "solve/contacts/contact.h"
 #include "support/sim_scenes.h"
 
@@ -16,8 +16,8 @@ using Frame = solve::Tangents (*)(UnitVec3);
 
 UnitVec3 unit(D3 v) { return normalized(vec(v[0], v[1], v[2])); }
 
-/// How far the frame turns more than the normal does, at most, over normals that are a little apart; those along the axes
-/// are half of them, for that is where bodies stand.
+/// Returns the largest change of a tangent between two normals that are about 1e-6 apart. Half of the normals lie along
+/// axes, as most normals of resting bodies do.
 double jump(Frame frame) {
     std::mt19937 random(5);
     std::normal_distribution<double> any;
@@ -34,18 +34,18 @@ double jump(Frame frame) {
     return most;
 }
 
-/// The frame by the smallest component.
+/// The frame from the smallest component of the normal.
 solve::Tangents jumping(UnitVec3 n) {
     const UnitVec3 first = any_perpendicular(n);
     return {first, cross<Unit>(n, first)};
 }
 
-/// A domino that leans on another and pushes it over: what both have left of their energy after 20 ticks [J/kg].
+/// A domino leans on another one and pushes it over. Returns the energy of both after 52 ticks [J/kg].
 double energy_left(std::uint32_t substeps, double friction) {
     WorldDef def = small_def();
     def.substeps = substeps;
     World w = made(World::create(def));
-    add_floor(w, {.friction = real(0.81 / friction)}); // of a pair the geometric mean: feet hold
+    add_floor(w, {.friction = real(0.81 / friction)}); // the geometric mean of a pair holds the feet
     std::vector<BodyId> dominoes;
     for (int i = 0; i < 2; ++i) {
         BodyDef body{.pose = at(0.7 * i, 0.5, 0)};
@@ -63,7 +63,7 @@ double energy_left(std::uint32_t substeps, double friction) {
     return sum;
 }
 
-/// A tent of two cards at 25 degrees, after 10 s: how far the first of them went [m].
+/// A tent of two cards at 25 degrees, after 10 s. Returns how far the first card moved [m].
 double tent_drift(double friction) {
     World w = made(World::create(small_def()));
     add_floor(w, {.friction = real(friction)});
@@ -85,13 +85,13 @@ TEST_CASE("the tangents of a normal are perpendicular units and turn with it wit
     std::mt19937 random(3);
     std::normal_distribution<double> any;
     for (int i = 0; i < 20000; ++i) {
-        // Half of them close to where the frame has its seam.
+        // Half of the normals are close to the seam of the frame.
         const D3 n = i % 2 == 0 ? D3{any(random), any(random), any(random)}
                                 : D3{-2 + 0.5 * any(random), -3 + 0.5 * any(random), -6 + 0.5 * any(random)};
         const UnitVec3 normal = unit(n);
         const solve::Tangents t = solve::tangents_of(normal);
         const D3 d = to_double(normal), p = to_double(t.first), q = to_double(t.second);
-        const double bound = dot(d, {2, 3, 6}) < -3.5 ? 5e-7 : 2e-8; // jacobians have 28 bits
+        const double bound = dot(d, {2, 3, 6}) < -3.5 ? 5e-7 : 2e-8; // the jacobians have 28 bits
         REQUIRE(std::abs(length(p) - 1) < bound);
         REQUIRE(std::abs(length(q) - 1) < bound);
         REQUIRE(std::abs(dot(d, p)) < bound);

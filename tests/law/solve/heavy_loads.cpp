@@ -1,4 +1,5 @@
-// Heavy bodies on light ones: they rest where they were put, however heavy they are, and a light body that nothing supports takes no momentum.
+// Heavy bodies on light ones rest where they were placed, at every mass, and a light body without support takes no
+// momentum.
 #include "support/effort.h"
 #include "support/rigs/heavy_load.h"
 #include "support/rigs/plank.h"

@@ -1,4 +1,5 @@
-// The integrators have the order that they claim, measured; and what each of them does to an orbit.
+// Each integrator has the order that its documentation states, by measurement. The file also measures its error on an
+// orbit.
 #include "support/about.h"
 #include "support/sim_scenes.h"
 
@@ -19,7 +20,8 @@ struct Motion {
     D3 x, v;
 };
 
-/// One body in one field. Far and fast, so that the 2e-6 m/s of a stored velocity stay below the errors measured.
+/// One body in one field. The body is far out and fast, so the resolution of a stored velocity (2e-6 m/s) is below the
+/// measured errors.
 struct Problem {
     const char* name;
     FieldDef field;
@@ -43,7 +45,7 @@ D3 acceleration(const Problem& p, D3 x) {
     return (-strength / (r * r * r)) * x;
 }
 
-/// The exact motion for all that matters here: the classical method at 1/8192 s in double precision.
+/// The reference motion: the classical Runge-Kutta method at 1/8192 s in double precision.
 Motion reference(const Problem& p, double seconds) {
     const double h = 1.0 / 8192;
     Motion m = p.start;
@@ -78,7 +80,7 @@ double error_at(const Problem& p, Integrator integrator, std::uint32_t rate, con
     return length(position(w, body) - exact.x) + length(velocity(w, body) - exact.v);
 }
 
-/// The order between each rate and the next, the last one counting.
+/// Measures the order between each rate and the next. Returns the last of these orders.
 double measured_order(const Problem& p, Integrator integrator) {
     const Motion exact = reference(p, p.seconds);
     double before = 0, order = 0, rate_before = 0;
@@ -96,7 +98,7 @@ double measured_order(const Problem& p, Integrator integrator) {
 struct Orbit {
     double swing_first, swing_last; ///< of the energy within a revolution, relative
     double drift;                   ///< of the mean energy per revolution, relative
-    double miss;                    ///< from the start after one revolution [m]
+    double miss;                    ///< distance to the exact motion after one revolution [m]
 };
 
 /// 20 revolutions of an ellipse of eccentricity 0.28 with a half axis of 39 m.
@@ -157,7 +159,7 @@ TEST_CASE("on an orbit the energy of symplectic integrators swings but does not 
         INFO(std::string(name_of(integrators[i])));
         CHECK(o.swing_first < swing_bound[i]);
         CHECK(o.swing_last < 1.1 * o.swing_first + 2e-6);
-        CHECK(std::abs(o.drift) < 1e-6); // the rounding of stored velocities walks at random
+        CHECK(std::abs(o.drift) < 1e-6); // the rounding of stored velocities is a random walk
         CHECK(o.miss < miss_bound[i]);
     }
 }
@@ -181,7 +183,7 @@ TEST_CASE("all integrators agree with the closed form of free fall to their orde
         const double h = 1.0 / (def.tick_rate * def.substeps);
         for (int t = 1; t <= 180; ++t) {
             w.tick();
-            // A tick's change of speed is rounded to 1.9e-6 m/s, the same way every tick.
+            // In each tick the change of speed is rounded to 1.9e-6 m/s, always in one direction.
             const double s = t / 60.0, fall = 9.81 / 2 * (s * s + (i == 0 ? h * s : 0));
             REQUIRE(position(w, ball)[0] == test::about(3 + 4 * s, 1e-7));
             REQUIRE(std::abs(position(w, ball)[1] - (100 + 2 * s - fall)) < 1e-6 + 1e-8 * t * t);

@@ -1,4 +1,4 @@
-// A resting load is no impact, whatever its force and the length of a substep: static friction holds it.
+// A resting load is no impact, at any force and any length of a substep: static friction holds it.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -10,13 +10,14 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-constexpr double held_max = 0.001; // [m]: what may slip in seconds where friction is more than what pulls
+constexpr double held_max = 0.001; // [m] in some seconds, where friction exceeds the pull
 
 void run(World& w, std::uint32_t ticks) {
     for (std::uint32_t i = 0; i < ticks; ++i) w.tick();
 }
 
-/// How far a box slips in five seconds on a slope of 20 degrees, after two seconds. tan 20 degrees is 0.364, friction 0.6.
+/// Returns how far a box slips in five seconds on a slope of 20 degrees, after two seconds. tan 20 degrees is 0.364,
+/// friction 0.6.
 double slip_on_slope(std::uint32_t tick_rate, std::uint32_t substeps, double gravity) {
     WorldDef def = small_def();
     def.tick_rate = tick_rate, def.substeps = substeps, def.gravity = vec(0, -gravity, 0);
@@ -38,8 +39,7 @@ TEST_CASE("a box stays on a slope whatever weight adds to its speed in a substep
     for (const std::uint32_t rate : {60u, 30u, 20u})
         for (const std::uint32_t substeps : {1u, 2u, 4u})
             for (const double gravity : {1.6, 9.81, 20.0, 100.0}) {
-                if (gravity / (rate * substeps) > 2)
-                    continue; // it falls farther in a substep than it is long in ten
+                if (gravity / (rate * substeps) > 2) continue; // speeds of more than 2 m/s in a substep
                 INFO(rate, " ticks a second, ", substeps, " substeps, gravity ", gravity);
                 CHECK(slip_on_slope(rate, substeps, gravity) < held_max);
             }
@@ -63,7 +63,7 @@ TEST_CASE("a crate that is pressed against a wall does not slip down") {
 }
 
 TEST_CASE("a joint that presses a crate down holds it in place") {
-    // A slider of 300 N from above, and half of what friction holds from the side.
+    // A slider presses down with 300 N, and a force from the side has half of the value that friction can hold.
     World w = made(World::create(small_def()));
     add_floor(w);
     const BodyId crate = add(w, {.pose = at(0, 0.5, 0), .mass = 1_r},

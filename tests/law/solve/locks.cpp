@@ -1,4 +1,4 @@
-// Locked axes: whatever gives a body velocity, nothing of it is along or about one.
+// Locked axes: a body gets no velocity along or about them, by any source of velocity.
 #include "lockstone/testing.h"
 #include "support/random.h"
 #include "support/sim_scenes.h"
@@ -11,7 +11,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// How far the centre of mass went along, and how fast it turns about, locked axes.
+/// The distance that the centre of mass moved along locked axes, and the spin about locked axes.
 struct Leak {
     double way = 0, spin = 0;
 };
@@ -32,7 +32,7 @@ Leak after_a_second(World& w, BodyId b, std::uint32_t locks) {
 
 const Vec3 fast = vec(3, 4, 5), turning = vec(2, 1, 3);
 
-/// A body given motion along all axes, by one of the ways in which velocity enters.
+/// A body with motion along all axes, from one of the sources of velocity.
 BodyId thrown(World& w, std::uint32_t locks, int way) {
     BodyDef def{.locks = locks};
     if (way == 0) def.linear_velocity = fast, def.angular_velocity = turning;
@@ -43,14 +43,14 @@ BodyId thrown(World& w, std::uint32_t locks, int way) {
     if (way == 2) done(w.set_body_parameters({b, Real{}, Real{}, Real(1), locks, 1, 0}));
     if (way == 3) done(w.add_impulse(b, vec(900, 800, 700), vec(100, 90, 80)));
     if (way == 4) done(w.add_force(b, vec(9000, 8000, 7000), vec(1000, 900, 800)));
-    if (way == 5) { // the centre of mass moves within a body that turns
+    if (way == 5) { // the centre of mass moves within a turning body
         done(w.set_velocity(b, fast, turning));
         made(w.create_shape(b, {.geometry = sphere(real(0.3)), .local = at(1, 1, 1), .density = real(5000)}));
     }
     return b;
 }
 
-/// The vertical speed of a crate that comes down at 3 m/s and is hit 0.45 m off its centre, after that tick [m/s].
+/// The vertical speed of a crate that falls at 3 m/s and is hit 0.45 m off its centre, after that tick [m/s].
 double speed_after_hit(std::uint32_t locks) {
     World w = made(World::create(weightless()));
     add_wall(w, at(0.9, -1, 0), vec(0.5, 1, 1));
@@ -63,11 +63,11 @@ double speed_after_hit(std::uint32_t locks) {
 
 } // namespace
 
-// What may turn goes on, about where it is hit.
+// A body that may turn keeps moving: it turns about the point of the hit.
 TEST_CASE("a body that may not turn is stopped by a hit off its centre, and one that may turn is not") {
     CHECK(std::abs(speed_after_hit(lock_angular_x | lock_angular_y | lock_angular_z)) < 0.05);
     CHECK(std::abs(speed_after_hit(lock_angular_z)) < 0.05);
-    CHECK(speed_after_hit(lock_angular_x | lock_angular_y) < -0.5); // twin
+    CHECK(speed_after_hit(lock_angular_x | lock_angular_y) < -0.5); // negative control
 }
 
 TEST_CASE("a body has no motion along or about locked axes, however velocity is given to it") {
@@ -97,7 +97,7 @@ TEST_CASE("a locked body in gravity, wind, a spring field and contact with other
             std::vector<std::pair<BodyId, D3>> locked{{b, position(w, b)}};
             const Geometry shapes[] = {sphere(real(0.4)), box(real(0.4), real(0.3), real(0.5)),
                                        capsule(real(0.2), real(0.3))};
-            for (int i = 0; i < 12; ++i) { // some of them have locks too, and they touch each other
+            for (int i = 0; i < 12; ++i) { // some have locks too, and all touch each other
                 const std::uint32_t own = i % 3 != 0 ? locks : 0;
                 const BodyDef body{.locks = own,
                                    .pose = at(0.5 * (i % 8) - 2, 1 + 0.3 * i, 0.4 * (i % 8) - 1),

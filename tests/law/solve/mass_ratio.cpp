@@ -1,4 +1,4 @@
-// The lightest bodies between the heaviest: a ratio of 10^12.
+// Light bodies between heavy ones: a mass ratio of 10^12.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -10,12 +10,12 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// A gram between two boxes of 10^9 kg, one of which falls on it: how fast they get.
+/// A body of 1 g between two of 10^9 kg. The upper one falls on it.
 struct Squeezed {
     double light = 0, heavy = 0; ///< the largest speeds [m/s]
     Faults faults;
 };
-/// `kicked`: the gram is given 300 m/s after half a second.
+/// `kicked`: the light body gets 300 m/s after half a second.
 Squeezed squeezed(int i, std::mt19937& random, bool kicked = false) {
     const auto between = [&](double low, double high) {
         return low + (high - low) * static_cast<double>(random() % 4096) / 4096;
@@ -45,8 +45,9 @@ Squeezed squeezed(int i, std::mt19937& random, bool kicked = false) {
     return out;
 }
 
-/// A body that a far heavier one hits leaves at most twice as fast, and out of a wedge of 20 degrees at most 1 / sin 20 degrees times as
-/// fast; 1 m/s for the push out of an overlap. Empty, too, where a fault was counted.
+/// Returns an error sentence if the light body is too fast and no fault was counted. A body that a far heavier one hits
+/// leaves at most twice as fast, and out of a wedge of 20 degrees at most 1 / sin 20 degrees times as fast; 1 m/s is
+/// for the push out of an overlap.
 std::string flies_off(const Squeezed& s) {
     if (s.light <= 2.93 * s.heavy + 1 || s.faults != Faults{}) return {};
     return "leaves at " + std::to_string(s.light) + " m/s, and no fault is counted";
@@ -63,7 +64,7 @@ TEST_CASE("a body of 1 g between boxes of 10^9 kg does not fly off, or a fault i
         CHECK(flies_off(s) == "");
         untold += s.faults == Faults{} ? 1 : 0;
     }
-    CHECK(untold > 20); // most of them have no excuse
+    CHECK(untold > 20); // most tries count no fault
 }
 
 TEST_CASE("planted fault: one that leaves at 300 m/s is noticed, unless a fault was counted") {

@@ -1,4 +1,5 @@
-// The spin that a body has by its momentum: the quick form and the wide one.
+// The spin of a body from its momentum, computed in two forms: the quick one, which has room for most
+// bodies, and the wide one, which has room for all.
 #include "solve/bodies/momentum.h"
 #include "support/rigs/joint_rig.h"
 #include "support/split_mix.h"
@@ -17,7 +18,7 @@ namespace {
 double between(Chance& random, double least, double most) {
     return least + (most - least) * static_cast<double>(random.below(1u << 30)) * 0x1p-30;
 }
-/// 10^x for x between the two.
+/// 10^x for a random x between the two.
 double size(Chance& random, double least, double most) {
     return std::pow(10.0, between(random, least, most));
 }
@@ -42,7 +43,8 @@ struct Spinning {
             u[i] = quantize<Speed>(
                 std::clamp(between(random, -spin, spin) * to_double(step.radii[i]), -170.0, 170.0));
     }
-    /// Whether there is a quick spin; how far it is from the wide one, as a part of what rounding may do. `off`: of radii_inv.
+    /// Returns whether the quick form has room for this spin. `part`: the difference of the two forms, relative to the
+    /// bound of their rounding. `off`: a relative error planted in radii_inv.
     bool compare(double& part, double off = 0) const {
         BodyStep other = step;
         for (int i = 0; i < 3; ++i)
@@ -62,11 +64,12 @@ struct Spinning {
     }
 
   private:
-    /// What the two forms may differ by in world axes [rad/s], to first order. Along a principal axis, with g = radii_inv^2:
-    /// quick:  the momentum has parts of 30 bits, each within half a step s of them, and so has its turn into the axes
+    /// The bound of the difference of the two forms in world axes [rad/s], to first order. Along a principal axis, with
+    /// g = radii_inv^2:
+    /// quick:  the parts of the momentum have 30 bits, each within half a step s; so has its turn into the axes
     ///         (sqrt(3) / 2 + 1 / 2) s g;  g is cut to 30 bits, 2^-29 of the spin;  24 fraction bits, 2^-25
-    /// wide:   rounded thrice to 2^-33: the turn, times g; the first product, times radii_inv; the second
-    /// Then each is turned into the world and rounded to 2^-33.
+    /// wide:   rounded thrice to 2^-33: the turn, times g; the first product, times radii_inv; the second product
+    /// Then each form is turned into world axes and rounded to 2^-33.
     D3 rounding(const Rotation& axes) const {
         const Vec3 whole = by_gyration<Real>(step, u);
         const Vec3 inside = mul_transposed<Real>(axes, whole);
@@ -99,11 +102,11 @@ TEST_CASE("the quick and the wide form of a spin differ by no more than their ro
         if (!Spinning(random).compare(part)) continue;
         ++quick;
         most = std::max(most, part);
-        REQUIRE(part <= 1.001); // of second order: 2^-29 of the bound, and the doubles that it is found in
+        REQUIRE(part <= 1.001); // second order: 2^-29 of the bound, and the doubles' rounding
     }
     CHECK(quick > cases / 4);
-    CHECK(cases - quick > cases / 100); // some spins have no room
-    CHECK(most > 0.2);                  // the bound is near what happens
+    CHECK(cases - quick > cases / 100); // some spins are too large for the quick form
+    CHECK(most > 0.2);                  // the bound is near the measured differences
 }
 
 TEST_CASE("planted fault: a quick spin of radii that are 2^-24 too small is found out") {

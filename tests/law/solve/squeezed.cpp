@@ -1,4 +1,4 @@
-// Bodies that are held squeezed: they rest, and what they give is shared as among springs.
+// Squeezed bodies rest, and share the overlap as springs do.
 #include "support/effort.h"
 #include "support/sim_scenes.h"
 
@@ -17,10 +17,10 @@ namespace {
 struct Squeezed {
     World world;
     std::vector<BodyId> row;
-    double end = 0; ///< where the second wall is [m]; the first is at 0
+    double end = 0; ///< the place of the second wall [m]; the first wall is at 0
     BodyId wall;
 
-    /// `overlaps`: of the first wall and body, of bodies, of the last body and wall [m].
+    /// `overlaps`: of the first wall and body, of neighbours, of the last body and wall [m].
     Squeezed(const WorldDef& def, const std::vector<double>& overlaps) : world(made(World::create(def))) {
         add_floor(world);
         add_wall(world, at(-1, 2, 0), vec(1, 2, 2));
@@ -33,7 +33,7 @@ struct Squeezed {
         wall = add(world, {.kind = BodyKind::kinematic, .pose = at(end + 1, 2, 0)},
                    {.geometry = box(Real(1), Real(2), Real(2))});
     }
-    /// Of each contact along the row, from the first wall on [m].
+    /// The overlap of each contact along the row, from the first wall on [m].
     std::vector<double> overlaps() const {
         std::vector<double> out;
         double reached = 0;
@@ -47,11 +47,12 @@ struct Squeezed {
     }
 };
 
-/// Springs in a row press alike. Of two bodies the reduced mass is half of one; against what does not move it is the whole, and the spring
-/// is four times as stiff (StepConstants::soft_static), so a wall takes an eighth of what two bodies do.
+/// All springs of a row carry one force. Two bodies have a reduced mass of half a body; a body against a static one has
+/// its whole mass, and a spring that is four times as stiff (StepConstants::soft_static). So the overlap at a wall is
+/// an eighth of that between two bodies.
 constexpr double wall_share = 1.0 / 8;
 
-/// Rows of `count` bodies of which each two overlap by `overlap` [m].
+/// The overlaps of a row of `count` bodies: `overlap` [m] between each two, the wall's share at the ends.
 std::vector<double> even(int count, double overlap) {
     std::vector<double> out(static_cast<std::size_t>(count) + 1, overlap);
     out.front() = out.back() = overlap * wall_share;
@@ -63,7 +64,8 @@ WorldDef awake(WorldDef def) {
     return def;
 }
 
-/// Of the row, in ten seconds of which the first three are left to settle [m/s]. `swing`: of the wall, once a second [m].
+/// Returns the greatest speed in the row during seven seconds, after three to settle [m/s]. `swing`: the wall's
+/// amplitude, at 1 Hz [m].
 double fastest_of(Squeezed& s, double swing) {
     double fastest = 0;
     for (int t = 0; t < 600; ++t) {
@@ -76,10 +78,10 @@ double fastest_of(Squeezed& s, double swing) {
     return fastest;
 }
 
-/// What is slower than this may fall asleep: a row that shakes faster would stay awake for ever [m/s].
+/// Below this speed a body may fall asleep; a row that shakes faster stays awake forever [m/s].
 const double still = to_double(WorldDef{}.sleep_speed);
 
-/// How far the overlaps of a row are from what springs would have, of the largest of those.
+/// Returns the largest difference between the overlaps of a row and those of springs, relative to a spring's overlap.
 double unevenness(Squeezed& s, int ticks) {
     for (int t = 0; t < ticks; ++t) s.world.tick();
     const std::vector<double> found = s.overlaps();
@@ -93,8 +95,9 @@ double unevenness(Squeezed& s, int ticks) {
     return worst / each;
 }
 
-/// Friction with the floor holds 0.6 of the weight of each box. Two that overlap by 24.6 mm, a share of 80 mm, push each other by 100 weights:
-/// half a mass by (2 pi 45 Hz)^2 by 24.6 mm. So from one end of four boxes to the other the push may change by as much as this part.
+/// Friction with the floor holds 0.6 of the weight of each box. Two boxes that overlap by 24.6 mm, a share of 80 mm,
+/// push each other with 100 weights: half a mass by (2 pi 45 Hz)^2 by 24.6 mm. So from one end of four boxes to the
+/// other the push may change by this part.
 constexpr double unevenness_max = 4 * 0.6 / 100;
 
 } // namespace
@@ -113,7 +116,7 @@ TEST_CASE("rows of boxes that two walls hold squeezed rest" * doctest::skip(test
 
 TEST_CASE("planted fault: boxes that shake by more than the speed of sleep are found out") {
     Squeezed s(awake({}), even(4, 0.0093));
-    CHECK(fastest_of(s, 0.008) > still); // the wall is as fast as 50 mm/s
+    CHECK(fastest_of(s, 0.008) > still); // the wall moves at up to 50 mm/s
 }
 
 TEST_CASE("a squeeze is shared as among springs, wherever it begins") {
@@ -121,7 +124,7 @@ TEST_CASE("a squeeze is shared as among springs, wherever it begins") {
         std::vector<double> overlaps(5, 0.0);
         overlaps[static_cast<std::size_t>(deep)] = 0.08;
         Squeezed boxes(awake({}), overlaps);
-        CHECK(unevenness(boxes, 0) > 0.5); // twin: at first it is not
+        CHECK(unevenness(boxes, 0) > 0.5); // negative control: the initial overlaps
         CHECK(unevenness(boxes, 600) < unevenness_max);
     }
 }

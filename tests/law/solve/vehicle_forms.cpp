@@ -1,4 +1,4 @@
-// Vehicles compute alike in 64 and in 128 bits, and their quotients are as near as they say.
+// Vehicles compute equal values in 64 and in 128 bits, and their quotients are within the stated bounds.
 #include "solve/vehicles/vehicle_tyre.h"
 #include "support/sim_scenes.h"
 #include "support/split_mix.h"
@@ -13,7 +13,7 @@ using Chance = lockstone::test::SplitMix;
 
 namespace {
 
-/// Of all magnitudes below `most`, and 0 now and then.
+/// A value of any magnitude below `most`, sometimes 0.
 Real below(Chance& random, Real most) {
     if (random.one_in(16)) return Real{};
     const std::int64_t raw = static_cast<std::int64_t>(random.next() >> 1) >> random.below(62);
@@ -38,7 +38,7 @@ TyreCurve any_curve(Chance& random) {
     return out;
 }
 
-/// A wheel whose constants are within what is small.
+/// A wheel whose constants are within the limits of the 64-bit form.
 struct AnyRim {
     Wheel wheel{};
     SpinGroup group{};
@@ -121,7 +121,7 @@ TEST_CASE("a rim and its tyre turn alike in 64 and in 128 bits, up to what count
         const RimAnswer<Real> a = rim.turned<Real>();
         ++(a.held ? held : a.gain > Real{} ? clung : slid);
     }
-    CHECK(std::min(held, std::min(slid, clung)) > cases / 100); // all ways were walked
+    CHECK(std::min(held, std::min(slid, clung)) > cases / 100); // each branch was taken
 }
 
 TEST_CASE("planted fault: a rim whose mobility is a step off is seen") {
@@ -147,9 +147,9 @@ TEST_CASE("lines read a chassis alike in 64 and in 128 bits, where it has room")
     for (int i = 0; i < cases; ++i) {
         const AnyLine any(random, Real(2048), Real(2048));
         ++(any.chassis.has_room() ? with : without);
-        if (!any.chassis.has_room()) continue; // 64 bits would overflow
+        if (!any.chassis.has_room()) continue; // 64 bits overflow
         REQUIRE(any.is_alike());
-        AnyLine off = any; // planted: an arm that is off
+        AnyLine off = any; // planted: a wrong arm
         off.line.xc.x += to<Arm>(0.5_r);
         parted += any.speed<Small>() == off.speed<Real>() ? 0 : 1;
     }
@@ -159,7 +159,8 @@ TEST_CASE("lines read a chassis alike in 64 and in 128 bits, where it has room")
 
 namespace {
 
-/// A chassis that look() found room in, after all that small wheels may do to it before the next look; arms below `arm_most`.
+/// A chassis for which look() found room, after the largest changes that small wheels can make before the next look;
+/// arms below `arm_most`.
 Chassis after_small_wheels(Chance& random, Real arm_most) {
     AnyLine any(random, Real(128), Real(64));
     any.chassis.look();
@@ -189,10 +190,10 @@ TEST_CASE("small wheels leave each other room in a chassis") {
         REQUIRE(has_small_room(after_small_wheels(random, Real(8))));
         taken += has_small_room(after_small_wheels(random, Real(64)))
                      ? 0
-                     : 1; // planted: arms of wheels that are not
+                     : 1; // planted: arms of wheels that are not small
     }
     CHECK(taken > cases / 20);
-    // What is left is room: the largest speeds and arms below 8 read alike.
+    // That room suffices: 64 and 128 bits agree at the largest speeds and at arms below 8.
     for (int i = 0; i < cases / 10; ++i) {
         AnyLine any(random, Real(144), Real(192));
         for (int k = 0; k < 3; ++k) any.line.xc[k] = to<Arm>(either_way(random, Real(8)));
@@ -218,7 +219,7 @@ TEST_CASE("a tyre's two impulses at once move a chassis as one after the other d
         push_line(in_turn, wheel, wheel.along, along, none);
         push_line(in_turn, wheel, wheel.across, across, none);
         REQUIRE(speeds(at_once) == speeds(in_turn));
-        push_tyre(off, wheel, along, across + decimal<Real>("0.001"), none); // planted
+        push_tyre(off, wheel, along, across + decimal<Real>("0.001"), none); // planted: 0.001 more across
         parted += speeds(at_once) == speeds(off) ? 0 : 1;
     }
     CHECK(parted > cases / 20);
@@ -240,7 +241,7 @@ TEST_CASE("an impulse of 1 m/s moves a chassis as a larger one does") {
         const AnyLine any(random, Real(500), Real(170));
         const Real impulse = either_way(random, Real(1));
         REQUIRE(gives(any, impulse, false) == gives(any, impulse, true));
-        // planted: a step of the shift
+        // planted: twice the impulse
         REQUIRE((abs(impulse) < 0.001_r || gives(any, impulse, false) != gives(any, impulse * 2, true)));
     }
 }
@@ -256,7 +257,7 @@ TEST_CASE("quotients of vehicles are within 2^-29 and a step of what they stand 
     for (int i = 0; i < cases; ++i) {
         const Real n = below(random, Real::max()), d = below(random, Real::max()) + Real::step();
         REQUIRE_FALSE(off(n, d, quotient(n, d)));
-        planted += off(n, d, quotient(n, d + shift_right(d, 20))) ? 1 : 0; // of 20 bits
+        planted += off(n, d, quotient(n, d + shift_right(d, 20))) ? 1 : 0; // planted: 2^-20 too large
         const Real part = min(n, d);
         const std::int64_t share = share_of(part.raw, d.raw);
         REQUIRE(share <= std::int64_t{1} << share_bits);
@@ -279,7 +280,7 @@ TEST_CASE("a product with a reciprocal is a quotient to 22 bits, and large divis
             return std::abs(static_cast<long double>(q.raw) - exact) > exact * 0x1p-22L + 1;
         };
         REQUIRE_FALSE(off(x / d));
-        planted += off(x * d.inverse) ? 1 : 0; // the reciprocal of what is large
+        planted += off(x * d.inverse) ? 1 : 0; // planted: the reciprocal of a large divisor
     }
     CHECK(planted > 0);
 }

@@ -1,4 +1,4 @@
-// Which pulls of joints are left out of the inertia of bodies: none above the bound that joint_stiffness.h states.
+// Pulls of joints that the inertia of bodies leaves out: none is above the bound that joint_stiffness.h states.
 #include "solve/joints/joint_stiffness.h"
 #include "support/split_mix.h"
 
@@ -15,7 +15,8 @@ using Chance = lockstone::test::SplitMix;
 
 namespace {
 
-/// Bits enough for every square and product here to be exact: 2 (64 + 64) + 2 of the left side, 2 (64 + 128 + 32) + 10 of the right.
+/// Enough bits for every square and product here: 2 (64 + 64) + 2 on the left side, 2 (64 + 128 + 32) + 10 on the
+/// right.
 constexpr mpfr_prec_t exact_bits = 512;
 
 struct Exact {
@@ -53,15 +54,15 @@ struct Pull {
     Real k, mass;
     std::int64_t rate;
 
-    /// Lengths are found within 1.155 of themselves (a + 7 b / 16 + 6 c / 16) and 13 steps, and in all 0.1 % is lost to 16 bits:
-    /// 1 / 1.155^2 less 0.7 % is above 0.73.
+    /// Computed lengths are up to 1.155 times too large (a + 7 b / 16 + 6 c / 16), plus 13 steps, and rounding to 16
+    /// bits loses 0.1 % in all: 1 / 1.155^2 less 0.7 % is above 0.73.
     bool has_size() const {
         constexpr std::int64_t micro = 4295;
         const auto longest = [](Vec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))).raw; };
         return longest(f) >= micro && longest(r) >= micro;
     }
     bool is_left_out() const { return is_too_weak(f, r, k, mass, rate); }
-    /// (|f| |r| 32)^2 against (hundredths / 100 m (k rate)^2)^2: -1 below, 1 above.
+    /// Compares (|f| |r| 32)^2 with (hundredths / 100 m (k rate)^2)^2: -1 below, 1 above.
     int against_bound(long hundredths = 100) const {
         Exact left(32 * 32 * 100 * 100), right(hundredths * hundredths);
         left.times_square(f), left.times_square(r);
@@ -71,12 +72,14 @@ struct Pull {
     }
 };
 
-/// Of any length, as often as not at an edge of 16 bits: all ones, a one and zeros, and their neighbours.
+/// A value of any length. Half of the values are at an edge of 16 bits: all ones, a one and zeros, and their
+/// neighbours.
 std::int64_t any_raw(Chance& random, int bits_max) {
     const int bits = 1 + static_cast<int>(random.below(static_cast<std::uint32_t>(bits_max)));
     const std::int64_t top = std::int64_t{1} << (bits - 1),
                        within = static_cast<std::int64_t>(random.next() >> 1) & (top - 1);
-    const std::int64_t low = bits > 16 ? (std::int64_t{1} << (bits - 16)) - 1 : 0; // what 16 bits leave out
+    const std::int64_t low =
+        bits > 16 ? (std::int64_t{1} << (bits - 16)) - 1 : 0; // the bits below the top 16
     switch (random.below(6)) {
     case 0:
         return top;
@@ -114,7 +117,7 @@ long double length(Vec3 v) {
     return std::sqrt(sum) * 0x1p-32L;
 }
 
-/// A pull whose force is near where it begins to count, if a Real can say it; else any.
+/// A pull whose force is near the bound from which it counts, if a Real can hold that force; else any force.
 Pull any_pull(Chance& random) {
     Pull p{any_way(random, 63), any_way(random, 50), Real::from_raw(any_raw(random, 45)),
            Real::from_raw(any_raw(random, 62)),
@@ -122,7 +125,7 @@ Pull any_pull(Chance& random) {
     const long double turn = static_cast<long double>(p.k.raw) * 0x1p-32L * static_cast<long double>(p.rate),
                       heavy = static_cast<long double>(p.mass.raw) * 0x1p-32L;
     const long double bound = heavy * turn * turn / 32 / length(p.r);
-    // From half the bound to a quarter above it, and every eighth within a five-hundredth of it.
+    // From half the bound to a quarter above it, and every eighth within 0.2 % of it.
     const long double near = random.one_in(8)
                                  ? 1 + (static_cast<long double>(random.below(2001)) - 1000) * 2e-6L
                                  : 0.5L + static_cast<long double>(random.below(750)) / 1000;
@@ -150,9 +153,9 @@ TEST_CASE("no pull of a joint above its bound is left out, and none of a size be
         if (left_out) REQUIRE(p.against_bound() < 0);
         if (!left_out && p.has_size()) REQUIRE(p.against_bound(73) >= 0);
         ++(left_out ? out : in);
-        close += left_out && p.against_bound(99) > 0 ? 1 : 0; // within a hundredth of the bound
+        close += left_out && p.against_bound(99) > 0 ? 1 : 0; // within 1 % of the bound
     }
-    CHECK(std::min(out, in) > cases / 10); // both ways were walked
+    CHECK(std::min(out, in) > cases / 10); // both branches were taken
     CHECK(close > cases / 1000);           // up to the bound
 }
 
@@ -162,8 +165,7 @@ TEST_CASE("planted fault: a bound on pulls that is 0.4 percent too high is found
     for (int i = 0; i < cases; ++i) {
         Pull p = any_pull(random);
         Pull heavier = p;
-        heavier.mass +=
-            shift_right(p.mass, 8) + Real::step(); // what is left out is asked of a body that is heavier
+        heavier.mass += shift_right(p.mass, 8) + Real::step(); // planted: the test of a heavier body
         above += heavier.is_left_out() && p.against_bound() >= 0 ? 1 : 0;
     }
     CHECK(above > 0);
@@ -171,7 +173,7 @@ TEST_CASE("planted fault: a bound on pulls that is 0.4 percent too high is found
 
 namespace {
 
-/// Forces that are known to be weak or strong, and how many of them are not by is_too_weak().
+/// Forces that are known to be weak or strong, and the number of these that is_too_weak() contradicts.
 struct Known {
     int weak = 0, strong = 0, wrong = 0;
     explicit Known(std::uint64_t percent) {

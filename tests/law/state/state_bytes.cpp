@@ -67,7 +67,7 @@ TEST_CASE("every truncation is an error that says what, where and how much") {
     CHECK(in.u32("later") == 0);
     CHECK(in.remaining() == 0);
     CHECK(in.error().message ==
-          "values: c needs 4 bytes, only 2 remain (at byte 3)"); // the first error stays
+          "values: c needs 4 bytes, only 2 remain (at byte 3)"); // the first error remains
 }
 
 TEST_CASE("a length larger than memory is refused, and so are bytes left over") {

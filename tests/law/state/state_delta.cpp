@@ -1,5 +1,4 @@
-// Delta images: applied to the base they give the other state, whatever the two are, and they are small where little
-// changed.
+// Delta images: applied to its base, a delta gives the other state for any two states. Deltas of few changes are small.
 #include "support/state_sample.h"
 #include "support/task_worlds.h"
 
@@ -23,7 +22,7 @@ std::string hex(std::span<const std::byte> bytes) {
     return out;
 }
 
-/// Sends `to` as the difference to `from`; what is wrong, empty when nothing is.
+/// Applies `to` as a delta to `from`. Returns an error sentence or an empty string.
 std::string lost_between(const State& from, const State& to) {
     State state = from;
     const Status status = state.apply_delta(to.save_delta(from));
@@ -32,7 +31,7 @@ std::string lost_between(const State& from, const State& to) {
     return state.hash() == to.hash() ? "" : "another hash";
 }
 
-/// States of a game at every tick.
+/// The states of a game at every tick.
 std::vector<State> states_of(const Game& game, int ticks) {
     ScriptedInputs inputs(game);
     World world = game.start().value();
@@ -44,7 +43,7 @@ std::vector<State> states_of(const Game& game, int ticks) {
     return states;
 }
 
-/// A row of one contact, keyed; the other columns move with it.
+/// One row for each key; the other columns move with the keys.
 State with_contacts(const Sample& s, std::span<const std::uint64_t> keys) {
     State state(s.layout);
     state.resize(s.contact, static_cast<std::uint32_t>(keys.size()));
@@ -127,24 +126,24 @@ TEST_CASE("the bytes of a small delta are these") {
     const Bytes delta = to.save_delta(from);
     REQUIRE(delta.size() > 44 + 8);
     CHECK(hex(std::span(delta).first(20)) == "4c5344454c54410a010000004c00000000000000");
-    // Worked out by hand from the format's README.
+    // Computed by hand from the format's README.
     CHECK(hex(std::span(delta).subspan(44, delta.size() - 52)) ==
           "03" // rows of t
           "01"
-          "02" // a row from row 1 of the base,
+          "02" // a row from row 1 of the base
           "01"
-          "02" // one whose key is new: from row 1 too, where it stands,
+          "02" // one row with a new key: from row 1 too, its own place
           "01"
           "01" // one from row 0
           "01"
           "01"
-          "01" // t.key: one row as it was, one changed, one as it was
+          "01" // t.key: one row unchanged, one changed, one unchanged
           "00"
           "02"
           "5624" // 0x1234 - 9 = 0x122b, folded 0x2456
           "00"
           "02"
-          "01" // t.speed: two rows changed, one as it was
+          "01" // t.speed: two rows changed, one unchanged
           "00"
           "04"
           "05cf0007" // -3 and -1000, folded 5 and 0x7cf: the low bytes of both, the next ones,
@@ -175,7 +174,7 @@ TEST_CASE("a world continues from a delta as if it had run there, and refuses on
     there.save(base);
     for (int t = 0; t < 30; ++t) REQUIRE(game->advance(here, inputs.at(here.tick_count())).ok());
     here.save(later);
-    REQUIRE(game->advance(there, inputs.at(0)).ok()); // whatever it did since
+    REQUIRE(game->advance(there, inputs.at(0)).ok()); // changes that the delta must undo
     REQUIRE(there.restore_delta(base, here.save_delta(base)).ok());
     for (int t = 0; t < 20; ++t) {
         REQUIRE(there.hash() == here.hash());
@@ -203,7 +202,7 @@ TEST_CASE("of a pyramid that sleeps a delta is a tick's number and what stands a
     CHECK(whole > 15000);
 }
 
-// 7,240: an eighth of the 57,921 bytes that the state took while every body had traits of its own.
+// The bound of 7,240 bytes is an eighth of the state's size when every body had traits of its own (57,921 bytes).
 TEST_CASE("a tick of a game is told in 7,240 bytes, and thirty ticks in a twentieth of its state") {
     const std::vector<State> states = states_of(*make_scene("rollback-arena").value(), 90);
     std::size_t largest = 0, whole = 0;

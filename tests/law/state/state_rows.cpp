@@ -64,7 +64,7 @@ struct Virtual {
 };
 template <class V> constexpr void describe(Virtual& p, V&& visit) { visit("a", p.a); }
 
-// Each rejection has an accepted neighbour, so that none of them can be refused for a reason it was not meant for.
+// Each rejected type has a similar accepted one, so that the rejection has the intended reason.
 static_assert(StateRow<Health> && StateRow<Manifold> && StateRow<Inventory> && StateRow<Transform> &&
               StateRow<Rotation>);
 static_assert(StateRow<std::uint8_t> && StateRow<std::int64_t> && StateRow<Real> && StateRow<Mood>);

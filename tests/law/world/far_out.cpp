@@ -8,7 +8,8 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-constexpr double contact_margin = 0.005; ///< [m]: rest is nearer than contacts are made ahead
+/// [m]: contacts exist from this distance on, so a resting body may float by it
+constexpr double contact_margin = 0.005;
 
 WorldDef shifted(std::uint32_t bounds_shift) {
     WorldDef def = small_def();
@@ -16,7 +17,8 @@ WorldDef shifted(std::uint32_t bounds_shift) {
     return def;
 }
 
-/// A plane whose body is at x, y, turned about z by degrees, with a ball of 0.5 m above it by 0.1 m. The ball's height after a second [m].
+/// A plane whose body is at x, y, turned about z by degrees; a ball of 0.5 m starts 0.1 m above it. Returns the ball's
+/// height after a second [m].
 double height_over_plane(double x, double y, double degrees, std::uint32_t bounds_shift) {
     World w = made(World::create(shifted(bounds_shift)));
     const Transform pose = at(x, y, 0, turned(axis_z, degrees));
@@ -29,7 +31,8 @@ double height_over_plane(double x, double y, double degrees, std::uint32_t bound
     return to_double(lockstone::dot<Real>(up, w.pose(ball).position - pose.position));
 }
 
-/// A crate on a platform that goes with it along z at x. How far it is from where it began on the platform after a second [m].
+/// A crate rides on a platform that moves along z at x. Returns how far the crate moved on the platform in a second
+/// [m].
 double strays_on_platform(double x, double speed, std::uint32_t bounds_shift) {
     World w = made(World::create(shifted(bounds_shift)));
     const Vec3 v = vec(0, 0, speed);

@@ -1,4 +1,4 @@
-// What a hit tells of triangles, cells and parts, and what their materials do in contacts.
+// The triangle, cell or part that a hit reports, and the effect of their materials in contacts.
 #include "shapes/asset/asset.h"
 #include "shapes/asset/asset_file.h"
 #include "support/about.h"
@@ -17,8 +17,8 @@ constexpr std::uint16_t rubber = 1, ice = 2, belt = 3, trampoline = 700;
 const std::vector<MaterialSurface> surfaces = {
     {ice, Real{}}, {belt, Real(2), Real{}, Real{}, {Real(3), Real{}, Real{}}}, {trampoline, Real{}, Real(1)}};
 
-/// A floor of n x n squares of 2 m about the origin, each of two triangles, handed over in an odd order, with triangles between
-/// that have no area: so that baking has to move most of them.
+/// A floor of n x n squares of 2 m about the origin, each of two triangles, listed in an odd order and mixed with
+/// triangles of zero area, so that baking moves most of them.
 struct Floor {
     std::vector<Vec3> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -64,7 +64,7 @@ std::uint16_t by_quarter(int x, int z) {
     return x < 0 ? (z < 0 ? rubber : ice) : (z < 0 ? belt : trampoline);
 }
 
-/// How far a crate slides along z that starts at 4 m/s there.
+/// Returns how far a crate with this speed along z slides there.
 double slide(World& w, double x, double z, double speed) {
     const BodyId b = add(w, {.pose = at(x, 0.25, z), .linear_velocity = vec(0, 0, speed)},
                          {.geometry = box(real(0.25), real(0.25), real(0.25)),
@@ -81,14 +81,14 @@ TEST_CASE("a ray tells the triangle that was handed over and its material, thoug
     const World w = world_on(floor.baked());
     int moved = 0;
     for (std::uint32_t t = 0; t < floor.triangles.size(); ++t) {
-        if (floor.materials[t] == 9) continue; // without area
+        if (floor.materials[t] == 9) continue; // zero area
         const auto hit = w.cast_ray({floor.middle(t) + vec(0, 1, 0), vec(0, -2, 0)});
         REQUIRE(hit);
         CHECK(hit->part.source == t);
         CHECK(hit->part.material == floor.materials[t]);
         if (hit->feature != t) ++moved;
     }
-    CHECK(moved > 100); // planted: an index as baked is another triangle
+    CHECK(moved > 100); // planted: the index in the baked mesh is that of another triangle
 }
 
 TEST_CASE("contacts and events tell the triangle, cell or part and its material of both sides") {
@@ -108,7 +108,7 @@ TEST_CASE("contacts and events tell the triangle, cell or part and its material 
         REQUIRE(one.events().size() == 1);
         CHECK(one.events()[0].part_a == ground);
         CHECK(one.events()[0].part_b == body);
-        one.tick(); // the manifold is used again
+        one.tick(); // the manifold is recycled
         CHECK(one.contacts()[0].part_a == ground);
     }
 }
@@ -117,7 +117,7 @@ TEST_CASE("friction, bounce and a conveyor's speed are those of the triangle, wh
           "shape says") {
     const Floor floor(17, by_quarter);
     World w = world_on(floor.baked(), small_def(), {.friction = real(0.5), .friction_mix = Mix::multiply});
-    // v^2 / (2 mu g) on rubber, with 0.6 * 0.5; on ice all the way.
+    // On rubber v^2 / (2 mu g) with 0.6 * 0.5; on ice the whole way.
     CHECK(slide(w, -6, -8, 2) == test::about(4 / (2 * 0.3 * 9.81), 0.03));
     CHECK(slide(w, -6, 4, 2) == test::about(2, 0.01));
     const BodyId carried =
@@ -157,7 +157,8 @@ TEST_CASE(
         return found;
     };
     CHECK(materials_under(surfaces) == std::vector<std::uint32_t>{rubber, ice});
-    CHECK(materials_under({}).size() == 1); // planted: of a manifold across both only one would be told
+    // planted: one manifold across both would report one material only
+    CHECK(materials_under({}).size() == 1);
 }
 
 TEST_CASE("cells of a height field: rays, contacts, surfaces and wheels feel theirs") {
@@ -210,7 +211,7 @@ TEST_CASE("of a compound a hit and a contact tell the part, and the shape's own 
 
 TEST_CASE("what a mesh has none of is not in its bytes: the old version is read and written as it was") {
     const auto version_of = [](const AssetBytes& bytes) { return static_cast<int>(bytes[10]); };
-    const Floor small(1, by_quarter); // a degenerate triangle first: the others move up
+    const Floor small(1, by_quarter); // a degenerate triangle comes first, so baking moves the others
     CHECK(version_of(small.baked({})) == 1);
     Floor plain = small;
     plain.triangles.erase(plain.triangles.begin()), plain.materials.erase(plain.materials.begin());
@@ -221,7 +222,7 @@ TEST_CASE("what a mesh has none of is not in its bytes: the old version is read 
         const AssetId id = made(library.add(bytes));
         CHECK(shapes::rebuilt(*library.find(id)) == bytes);
     }
-    // Planted: a version that the content does not need, or lacks.
+    // Planted: a version that the content does not need, or one that lacks a part of it.
     AssetBytes bad = old;
     bad[10] = std::byte{1};
     AssetLibrary library;

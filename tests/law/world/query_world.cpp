@@ -1,4 +1,4 @@
-// What a world answers: order, filters, agreement of the questions with each other, and nonsense.
+// Results of a world's queries: their order, filters, agreement between queries, and invalid arguments.
 #include "support/about.h"
 #include "support/query_scene.h"
 #include "support/rigs/asked.h"
@@ -13,7 +13,7 @@ using namespace lockstone::test::query;
 
 namespace {
 
-/// Hits by what does not depend on ids.
+/// Returns the parts of the hits that do not depend on ids, sorted.
 std::vector<std::array<std::int64_t, 3>> keys_of(const World& w, const std::vector<QueryHit>& hits) {
     std::vector<std::array<std::int64_t, 3>> keys;
     for (const QueryHit& h : hits)
@@ -29,7 +29,7 @@ bool same(const std::optional<QueryHit>& a, const std::optional<QueryHit>& b) {
     return x == y;
 }
 
-/// What three questions about one ray or moving shape were answered with.
+/// The results of three queries along one ray or one moving shape.
 struct AlongAWay {
     std::vector<QueryHit> all;
     std::optional<QueryHit> first;
@@ -45,7 +45,7 @@ AlongAWay ask_shape(const World& w, const Geometry& g, const Transform& pose, Ve
     w.cast_shape_all(g, pose, way, {}, answer.all);
     return answer;
 }
-/// All in order, the first of them as the first, and any exactly when there is one.
+/// Returns whether all hits are in order, `first` is the first of them, and `any` is true exactly when there is one.
 bool agrees(const AlongAWay& answer) {
     for (std::size_t i = 1; i < answer.all.size(); ++i)
         if (!(answer.all[i - 1] < answer.all[i])) return false;
@@ -53,7 +53,7 @@ bool agrees(const AlongAWay& answer) {
            same(answer.first, answer.all.empty() ? std::nullopt : std::optional(answer.all.front()));
 }
 
-/// What is at a place, and what is nearest to it within 6 m.
+/// The shapes that overlap a place, and the nearest one within 6 m.
 struct AtAPlace {
     std::vector<ShapeId> overlapping;
     std::optional<QueryHit> nearest;
@@ -63,8 +63,8 @@ AtAPlace ask_place(const World& w, const Geometry& g, const Transform& pose) {
     w.overlap(g, pose, {}, answer.overlapping);
     return answer;
 }
-/// In order; overlap is a distance of zero; and a body of that shape there is as far from the nearest shape as was said,
-/// while nothing is nearer.
+/// Returns whether the shapes are in order, an overlap has distance zero, and a body of that shape at that place has
+/// the reported distance to the nearest shape, while no shape is nearer.
 bool agrees(const World& w, const Geometry& g, const Transform& pose, const AtAPlace& answer) {
     const std::optional<QueryHit>& nearest = answer.nearest;
     if (!std::is_sorted(answer.overlapping.begin(), answer.overlapping.end())) return false;
@@ -82,7 +82,7 @@ bool agrees(const World& w, const Geometry& g, const Transform& pose, const AtAP
            !w.nearest(g, pose, nearest->distance - 0.001_r);
 }
 
-/// Of random questions asked of two worlds, those that are answered otherwise.
+/// The number of random queries whose results differ between two worlds, and of those that hit a shape.
 struct Differences {
     int wrong = 0, met = 0;
 };
@@ -152,7 +152,7 @@ TEST_CASE("what a ray or a shape meets does not depend on the order in which thi
     const Differences found = differences(assets, w, crowd(assets, 60, order), 1000);
     CHECK(found.wrong == 0);
     CHECK(found.met > 300);
-    // A world in which one thing lies elsewhere.
+    // A world in which one body lies elsewhere.
     World other = crowd(assets, 60);
     const BodyId last = other.body_at(other.body_count() - 1);
     done(other.set_pose(last, {other.pose(last).position + vec(0.01, 0, 0), other.pose(last).rotation}));
@@ -179,7 +179,7 @@ TEST_CASE("overlap, nearest and distance agree, and a damaged answer is noticed"
         farther.nearest->distance += 0.002_r;
         plant(farther);
         if (answer.overlapping.empty())
-            plant({{answer.nearest->shape}, answer.nearest}); // not the distance of what overlaps
+            plant({{answer.nearest->shape}, answer.nearest}); // an overlap must have distance zero
         else
             plant({{}, answer.nearest});
     }

@@ -130,7 +130,7 @@ TEST_CASE("game columns and records are saved, hashed, restored, carried in port
     CHECK(other.read(health_column, b).hits == -3);
     CHECK((other.read(tally_record).thrown[1] == b));
     done(w.destroy(a));
-    CHECK(w.read(health_column, b).points == Real(5)); // b's row moved to a's place
+    CHECK(w.read(health_column, b).points == Real(5)); // b's row moved into a's row
     done(w.destroy(b));
     const BodyId c = made(w.create_body({}));
     CHECK(w.read(health_column, c).points == Real{});
@@ -141,7 +141,8 @@ TEST_CASE("game columns and records are saved, hashed, restored, carried in port
 
 namespace {
 
-/// Empty when a definition held like that is a value: copies part, what is assigned or moved to has what the source had.
+/// Checks that a definition held like that has value semantics: copies are independent, and the target of an assignment
+/// or a move has the source's value. Returns an error sentence or an empty string.
 template <class Held> std::string value_fault(const Held& good) {
     Held copy = good;
     copy->break_force = 7_r;

@@ -1,4 +1,4 @@
-// A wave of dominoes goes at its own speed, however finely ticks are cut.
+// A wave of dominoes has the same speed for every number of substeps.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -11,14 +11,14 @@ using namespace lockstone::test::scene;
 namespace {
 
 constexpr int count = 30;
-constexpr double height = 1, thickness = 0.12, pitch = 0.45, leaning = 0.15; // the last in radians
+constexpr double height = 1, thickness = 0.12, pitch = 0.45, leaning = 0.15; // `leaning` is in radians
 
-/// When each of 30 dominoes leans by 0.15 rad, in ticks, between two of them by a straight line; 0: it stands.
+/// Returns the time when each of 30 dominoes leans by 0.15 rad [ticks], linear between two ticks; 0: it never does.
 std::vector<double> falls(std::uint32_t substeps, double friction) {
     WorldDef def = small_def();
     def.substeps = substeps;
     World w = made(World::create(def));
-    add_floor(w, {.friction = real(0.81 / friction)}); // of a pair the geometric mean: feet hold fast
+    add_floor(w, {.friction = real(0.81 / friction)}); // the geometric mean of a pair holds the feet
     std::vector<BodyId> dominoes;
     for (int i = 0; i < count; ++i) {
         BodyDef body{.pose = at(pitch * i, height / 2, 0)};
@@ -43,7 +43,7 @@ std::vector<double> falls(std::uint32_t substeps, double friction) {
     return when;
 }
 
-/// Speed of the wave over its second half [m/s]; 0: it does not arrive.
+/// Speed of the wave over its second half [m/s]; 0: the wave does not arrive.
 double wave_speed(std::uint32_t substeps, double friction = 0.25) {
     const std::vector<double> when = falls(substeps, friction);
     const double ticks = when[count - 2] - when[count / 2];

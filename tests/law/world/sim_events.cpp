@@ -1,4 +1,4 @@
-// Events: once per transition, in their documented order; and who meets whom.
+// Events: one per transition, in their documented order; and the pairs that filters allow.
 #include "support/about.h"
 #include "support/contact_points.h"
 #include "support/sim_script.h"
@@ -18,9 +18,9 @@ const char* name_of(EventKind kind) {
     return names[static_cast<std::uint32_t>(kind)];
 }
 
-/// Empty when in the order of event.h, each pair, joint or body once a kind.
+/// Returns an error sentence unless the events are in the order of event.h, each pair, joint or body once per kind.
 std::string out_of_order(std::span<const Event> events) {
-    // The order is written out: a test that calls `precedes` would follow a wrong one.
+    // The test repeats the order here: a call of `precedes` would accept a wrong one.
     const auto order = [](const Event& e) {
         return std::tie(e.kind, e.shape_a, e.shape_b, e.joint, e.body_a, e.body_b);
     };
@@ -40,7 +40,7 @@ std::string kinds(const World& w) {
     return text;
 }
 
-/// Ticks until there are events, at most `limit`; their kinds.
+/// Ticks until there are events, at most `limit` ticks. Returns their kinds.
 std::string next_events(World& w, int limit = 200) {
     for (int t = 0; t < limit; ++t) {
         w.tick();
@@ -61,7 +61,7 @@ std::size_t count_of(std::span<const Event> events, EventKind kind) {
     return static_cast<std::size_t>(std::ranges::count(events, kind, &Event::kind));
 }
 
-/// In every tick two crates fall asleep, a character hops, and now and then joints break by twos and sleepers are hit.
+/// In every tick two crates fall asleep and a character hops. Sometimes two joints break together, or a sleeper is hit.
 struct EventfulWorld {
     World w = made(World::create(roomy()));
     CharacterId hopper;
@@ -145,7 +145,7 @@ TEST_CASE("destroying a touching shape or body ends its contacts and sensor over
     CHECK(w.events()[0].body_b == BodyId{});
     w.tick();
     CHECK(kinds(w) == "");
-    // The slot is taken again by a shape at the same place: a new contact, not the old one.
+    // A new shape takes the slot, at the same place: its contact is new, too.
     const ShapeId again = made(w.create_shape(ball, {.geometry = sphere(real(0.5))}));
     CHECK(again.index == shape.index);
     CHECK(again.generation != shape.generation);
@@ -222,12 +222,12 @@ TEST_CASE("planted fault: events that are published when they are known, not in 
     } while (count_of(events, EventKind::body_sleep) < 2 ||
              count_of(events, EventKind::character_landed) == 0);
     REQUIRE(out_of_order(events) == "");
-    std::vector<Event> late = events; // sleep is known last
+    std::vector<Event> late = events; // the solver finds sleep last
     std::stable_partition(late.begin(), late.end(),
                           [](const Event& x) { return x.kind != EventKind::body_sleep; });
     CHECK(out_of_order(late) != "");
     const auto sleeper = std::ranges::find(events, EventKind::body_sleep, &Event::kind);
-    std::vector<Event> other = events; // another order of the bodies
+    std::vector<Event> other = events; // swaps two bodies
     std::swap(other[static_cast<std::size_t>(sleeper - events.begin())],
               other[static_cast<std::size_t>(sleeper - events.begin()) + 1]);
     CHECK(out_of_order(other) != "");
@@ -283,7 +283,7 @@ TEST_CASE("shapes of one body, two sensors, and bodies that nothing moves do not
         add(w, {.pose = at(20 + 0.1 * i, 0, 0)}, {.geometry = sphere(real(0.5)), .sensor = 1});
     w.tick();
     CHECK(w.events().empty());
-    // A kinematic body does trip a static sensor.
+    // A kinematic body does trigger a static sensor.
     add(w, {.kind = BodyKind::static_, .pose = at(9, 0, 0)}, {.geometry = sphere(real(0.5)), .sensor = 1});
     w.tick();
     CHECK(kinds(w) == "sensor_begin sensor_begin");

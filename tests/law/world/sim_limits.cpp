@@ -1,4 +1,5 @@
-// Extremes: what leaves the documented range is clamped and counted, and nothing breaks under any commands.
+// Extreme values: the world clamps values outside of the documented range and counts them, and no sequence of commands
+// breaks it.
 #include "support/about.h"
 #include "support/sim_script.h"
 #include "support/split_mix.h"
@@ -13,7 +14,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// Any number: mostly ordinary, often extreme.
+/// Random numbers: mostly ordinary, often extreme.
 Real number(test::SplitMix& r) {
     switch (r.below(40)) {
     case 0:
@@ -170,7 +171,7 @@ Command some_command(test::SplitMix& r, const World& w) {
     }
 }
 
-/// Whether a state may be this world's, as the loader of portable images judges.
+/// Returns whether the world's state is valid, as the loader of portable images decides.
 bool sound(const World& w, World& loader) { return loader.restore_portable(w.save_portable()).ok(); }
 
 } // namespace
@@ -268,7 +269,7 @@ TEST_CASE(
                 REQUIRE(w.hash() == before);
             }
             w.tick();
-            // The twin's caches are of another time each tick.
+            // The twin's caches come from a different tick each time.
             twin.save(image), twin.tick(), twin.restore(image), twin.tick();
             INFO("seed ", seed, ", tick ", t, ", ", difference(w, twin));
             REQUIRE(w.hash() == twin.hash());

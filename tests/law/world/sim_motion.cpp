@@ -56,7 +56,7 @@ TEST_CASE("a force changes momentum by force times time, a torque angular moment
         done(w.add_force(b, vec(6 * m, -12 * m, 3 * m)));
         w.tick();
         CHECK(length(velocity(w, b) - D3{0.1, -0.2, 0.05}) < 2e-6);
-        w.tick(); // forces act for one tick
+        w.tick(); // a force acts for one tick
         CHECK(length(velocity(w, b) - D3{0.1, -0.2, 0.05}) < 2e-6);
     }
 }
@@ -151,7 +151,7 @@ TEST_CASE("a kinematic body moves at its velocity, is pushed by nothing and carr
     for (int t = 0; t < 120; ++t) w.tick();
     CHECK(length(position(w, lift) - D3{1, 2, -0.5}) < 1e-5);
     CHECK(length(velocity(w, lift) - D3{0.5, 1, -0.25}) == 0);
-    // The crate slips until friction has taken it along: 0.56 m/s at 0.6 g.
+    // The crate slips until friction has accelerated it: 0.56 m/s at 0.6 g.
     CHECK(length(position(w, crate) - start - D3{1, 2, -0.5}) < 0.04);
     CHECK(length(velocity(w, crate) - D3{0.5, 1, -0.25}) < 0.005);
 }

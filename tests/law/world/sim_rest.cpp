@@ -1,4 +1,4 @@
-// Things that should come to rest do, where they were put.
+// Bodies that should come to rest do so, where they were placed.
 #include "support/about.h"
 #include "support/sim_scenes.h"
 
@@ -17,17 +17,18 @@ constexpr double g = 9.81;
 World piles_world() {
     WorldDef def;
     def.bodies_max = def.shapes_max = 1024;
-    def.sleeping = 0; // the contacts of what sleeps are not told
+    def.sleeping = 0; // sleeping bodies report no contacts
     return made(World::create(def));
 }
 
-/// At rest: twenty steps of a speed [J/kg]. What one body alone keeps is below one step along and about each axis.
+/// At rest: twenty steps of a speed [J/kg]. A single body keeps less than one step along and about each axis.
 constexpr double at_rest = 400 * speed_step * speed_step / 2, alone_at_rest = 6 * speed_step * speed_step / 2;
-/// What nothing pushes aside stays: the bound of symmetry, as in contact_block.cpp [m].
+/// A body without a sideways push stays in place: the bound of symmetry, as in contact_block.cpp [m].
 constexpr double stays = 1e-5;
 
-/// What a pyramid of equal boxes of 1 m does by its own weight, when each rests by halves on the two below: how deep the deepest contact
-/// is, and how far a centre goes aside because one of its two supports sinks more than the other and tilts it [m].
+/// The sinking of a pyramid of equal boxes of 1 m under its own weight, where each box rests by halves on two below:
+/// the depth of the deepest contact, and how far a centre moves aside because one support sinks more than the other and
+/// tilts the box [m].
 struct Settled {
     double deepest = 0, aside = 0;
 };
@@ -90,7 +91,8 @@ TEST_CASE("pyramids of base 20 and 40 stand for 1,200 ticks") {
              " mm deep");
         CHECK(r.drift < closed.aside);
         CHECK(r.penetration < closed.deepest);
-        if (base == 20) CHECK(r.kinetic / (500.0 * base * (base + 1)) < at_rest); // the other still settles
+        // the larger pyramid still settles
+        if (base == 20) CHECK(r.kinetic / (500.0 * base * (base + 1)) < at_rest);
     }
 }
 
@@ -127,7 +129,7 @@ TEST_CASE("a box that lands flat stays where it landed, from 0.1 m to 20 m") {
                 INFO("half extents ", half[0], " ", half[1], " ", half[2], ", from ", height, " m, yaw ",
                      yaw);
                 CHECK(r.drift < stays);
-                // It stands in the floor by what its weight presses, 8 micrometres; the roundings of a gap come on top.
+                // The box sinks by the compression of its weight, 8 micrometres, plus the rounding of a gap.
                 CHECK(std::abs(position(w, b)[1] - (half[1] - g * give(w.def()) / 4)) < stays);
             }
 }
@@ -138,7 +140,7 @@ TEST_CASE("a box that bounces flat does not tumble") {
     const BodyId b = add(w, {.pose = at(0, 4, 0)},
                          {.geometry = box(real(0.5), real(0.5), real(0.5)), .restitution = real(0.6)});
     const Rest r = print("bouncing box", rest_after(w, {b}, 600));
-    CHECK(r.drift < stays); // it falls on all four corners at once, each time
+    CHECK(r.drift < stays); // it lands on all four corners at once, each time
     CHECK(r.kinetic / 1000 < alone_at_rest);
     CHECK(to_double(to_rotation(w.pose(b).rotation).y.y) > 1 - 1e-9);
     CHECK(std::abs(position(w, b)[1] - (0.5 - g * give(w.def()) / 4)) < stays);
@@ -158,7 +160,7 @@ TEST_CASE("a heavy ball rests on a light one without crushing it") {
     for (double ratio : {2.0, 4.0, 10.0, 100.0, 1000.0}) {
         World w = made(World::create(small_def()));
         add_floor(w);
-        // In a shaft, or it would roll off.
+        // A shaft keeps the ball from rolling off.
         for (double x : {-1.0, 1.0}) add_wall(w, at(x, 2, 0), vec(0.498, 3, 2));
         for (double z : {-1.0, 1.0}) add_wall(w, at(0, 2, z), vec(2, 3, 0.498));
         add(w, {.pose = at(0, 0.5, 0), .mass = Real(1)}, {.geometry = sphere(real(0.5))});
@@ -166,8 +168,8 @@ TEST_CASE("a heavy ball rests on a light one without crushing it") {
             add(w, {.pose = at(0, 1.5, 0), .mass = real(ratio)}, {.geometry = sphere(real(0.5))});
         for (int t = 0; t < 600; ++t) w.tick();
         std::printf("  %.0f kg on 1 kg: sinks %.2f mm\n", ratio, 1e3 * (1.5 - position(w, heavy)[1]));
-        // The light one counts as a quarter of the heavy one: a ratio of 4 on a reduced mass of 4 / (1 + 4), and 1 + 4 of the light one's
-        // weights on the floor.
+        // The light ball counts as a quarter of the heavy one: a ratio of 4 on a reduced mass of 4 / (1 + 4), and 1 + 4
+        // of the light one's weights on the floor.
         const double counted = std::min(ratio, 4.0);
         CHECK(1.5 - position(w, heavy)[1] == test::about((1 + counted) * 1.25 * g * give(w.def()), 0.02));
     }
@@ -182,9 +184,9 @@ TEST_CASE("balls in a box settle and stay inside") {
     for (int i = 0; i < 50; ++i)
         balls.push_back(add_ball(w, at(i % 3 - 1 + 0.002 * i, 1 + 0.7 * (i / 3), (i / 3) % 3 - 1), 0.35));
     const Rest r = print("50 balls in a box", rest_after(w, balls, 900));
-    // Some may still creep into place: below 1.5 cm/s, a quarter of a millimetre a tick.
+    // Some balls may still creep: below 1.5 cm/s, a quarter of a millimetre per tick.
     CHECK(r.kinetic / (50 * to_double(w.mass(balls[0]))) < 0.015 * 0.015 / 2);
-    const double deepest = 2 * 50 * g * give(w.def()); // if one contact bore them all
+    const double deepest = 2 * 50 * g * give(w.def()); // if one contact carried all of them
     CHECK(r.penetration < deepest);
     for (BodyId b : balls) {
         CHECK(std::abs(position(w, b)[0]) < 1.5 - 0.35 + deepest);

@@ -1,4 +1,4 @@
-// Setters change what they are given and nothing else, and whatever can be set can be asked for.
+// Each setter changes the settings that its command names and no other, and every setting can be read back.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -11,7 +11,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// Every setting that a setter may change, by name; all different from what a definition begins with.
+/// Every setting that a setter can change, by name. All values differ from a definition's defaults.
 using Settings = std::map<std::string, std::vector<std::int64_t>>;
 
 template <class T> std::vector<std::int64_t> numbers_of(T value) {
@@ -61,7 +61,7 @@ Scene make_scene() {
     return {std::move(world), body, shape};
 }
 
-/// Names of what differs.
+/// Names of the settings that differ.
 std::set<std::string> changed(const Settings& before, const Settings& after) {
     std::set<std::string> names;
     for (const auto& [name, value] : before)
@@ -69,7 +69,8 @@ std::set<std::string> changed(const Settings& before, const Settings& after) {
     return names;
 }
 
-/// For each setting of C: a command that is given this one alone. `spoil` may plant a fault into it. Sentences.
+/// Applies, for each setting of C, a command that names only that setting. `spoil` may plant a fault in the command.
+/// Returns a sentence for each command that changes another setting.
 template <class C, class Spoil>
 std::vector<std::string> faults_of(const C& all_given, const std::map<std::string, std::string>& known_as,
                                    Spoil&& spoil) {
@@ -114,7 +115,7 @@ const std::map<std::string, std::string> mass_names{{"mass", "mass of all: mass"
                                                     {"gyration", "mass of all: gyration"},
                                                     {"principal", "mass of all: principal"}};
 const auto as_it_is = [](auto&) {};
-/// What the setters did once: a setting that is not named becomes zero.
+/// A planted fault, the setters' former behaviour: a setting that the command does not name becomes zero.
 const auto zero_the_rest = [](auto& command) {
     describe(command, [](const char*, auto& field) {
         if constexpr (requires { field.given; }) field.given = 1;
@@ -182,7 +183,7 @@ TEST_CASE("whatever has been set can be asked for") {
                                     .bullet = now.bullet,
                                     .enable_fields = now.enable_fields,
                                     .drag_scale = now.drag_scale}));
-    CHECK(world.hash() != hash); // the number of commands is state
+    CHECK(world.hash() != hash); // the count of commands is in the state
     CHECK(numbers_of(world.body(scene.body)) == numbers_of(now));
 }
 

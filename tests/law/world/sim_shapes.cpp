@@ -11,7 +11,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// How far a body strays sideways and turns in five seconds, laid on a floor.
+/// The motion of a body laid on a floor, over five seconds: sideways [m], in height [m], and its last spin [rad/s].
 struct Stray {
     double way, height_change, spin;
 };
@@ -44,7 +44,7 @@ TEST_CASE("what stands on a flat side stands still: on a plane, on a box") {
         {"capsule lying", capsule(0.3_r, 0.5_r), at(0, 0.3, 0, turned(axis_x, 90))}};
     for (const Geometry& floor : {plane(), box(20_r, 0.5_r, 20_r)})
         for (const auto& [name, geometry, pose] : standing) {
-            const std::string which = name; // clang 14: no lambda sees a structured binding
+            const std::string which = name; // clang 14: a lambda cannot capture a structured binding
             CAPTURE(which);
             const Stray stray = stray_of(geometry, pose, zoo.library, floor);
             CHECK(stray.way < 0.002);
@@ -97,7 +97,7 @@ TEST_CASE("towers of cylinders, of hulls and of mixed shapes stand") {
 TEST_CASE("bodies of every shape come to rest on waves, on a step and on a plane, and none falls through") {
     const Zoo zoo = make_zoo();
     World w = zoo_world(zoo, 2);
-    for (int t = 0; t < 2700; ++t) w.tick(); // a ball rolls to and fro in the waves for most of that
+    for (int t = 0; t < 2700; ++t) w.tick(); // the ball rolls to and fro in the waves for most of that time
     for (BodyId b : w.bodies())
         if (w.kind(b) == BodyKind::dynamic) CHECK(position(w, b)[1] > -1.05);
     CHECK(to_double(w.kinetic_energy()) < 1);

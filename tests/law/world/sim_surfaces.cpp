@@ -1,5 +1,5 @@
-// What shapes are made of and whom they meet: conveyors, rolling resistance, mixing rules, one-way shapes, filters, and
-// masses given by command.
+// The surfaces and the partners of shapes: conveyors, rolling resistance, mixing rules, one-way shapes, filters, and
+// masses set by command.
 #include "support/about.h"
 #include "support/sim_scenes.h"
 #include "world/data.h"
@@ -11,7 +11,8 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// A crate slides over a floor whose friction coefficient a pair's rule makes of these two; its speed after a second.
+/// A crate slides over a floor; a mixing rule combines these two friction coefficients. Returns its speed after a
+/// second.
 double speed_after_sliding(Mix rule, double crate, double floor) {
     World w = made(World::create(small_def()));
     add_floor(w, {.friction = real(floor), .friction_mix = rule});
@@ -21,7 +22,7 @@ double speed_after_sliding(Mix rule, double crate, double floor) {
     return velocity(w, b)[0];
 }
 
-/// A ball rolls over a floor; its speed after two seconds, from 2 m/s.
+/// A ball rolls over a floor at 2 m/s. Returns its speed after two seconds.
 double speed_after_rolling(double resistance, double radius) {
     World w = made(World::create(small_def()));
     add_floor(w);
@@ -57,9 +58,9 @@ TEST_CASE(
         const double slower = resistance * 9.81 / radius * 5 / 7 * 2;
         CHECK(speed_after_rolling(resistance, radius) == test::about(2 - slower, 0.02));
     }
-    CHECK(speed_after_rolling(0, 0.5) == test::about(2, 0.001)); // nothing else brakes it
+    CHECK(speed_after_rolling(0, 0.5) == test::about(2, 0.001)); // nothing brakes it
 
-    // It stays on a slope while tan(angle) < coefficient / radius.
+    // The ball stays on a slope while tan(angle) < coefficient / radius.
     World w = made(World::create(small_def()));
     add(w, {.kind = BodyKind::static_, .pose = at(0, 0, 0, turned(axis_z, -3))},
         {.geometry = plane(), .rolling_resistance = 0.04_r});
@@ -71,7 +72,7 @@ TEST_CASE(
 
 TEST_CASE("mixing rules: of two different ones the one further down the list holds") {
     const auto slowed = [](double coefficient) { return 10 - coefficient * 9.81; };
-    const double a = 0.6, b = 0.1; // the crate's rule is always the geometric mean, the first of the list
+    const double a = 0.6, b = 0.1; // the crate's rule is always the geometric mean, the lowest in the list
     CHECK(speed_after_sliding(Mix::geometric_mean, a, b) == test::about(slowed(std::sqrt(a * b)), 0.01));
     CHECK(speed_after_sliding(Mix::average, a, b) == test::about(slowed((a + b) / 2), 0.01));
     CHECK(speed_after_sliding(Mix::minimum, a, b) == test::about(slowed(b), 0.01));
@@ -102,7 +103,7 @@ TEST_CASE("a pair that is told not to touch does not, until told otherwise or on
     const BodyId floor = add_wall(w, at(0, -0.5, 0), vec(10, 0.5, 10));
     const BodyId ghost = add_crate(w, at(0, 2, 0)), crate = add_crate(w, at(3, 2, 0));
     done(w.set_pair_filter(floor, ghost, false));
-    done(w.set_pair_filter(ghost, floor, false)); // again, the other way round: nothing new
+    done(w.set_pair_filter(ghost, floor, false)); // the reversed pair again: no second entry
     CHECK(w.state().count(sim::make_manifest(w.def(), {}).pair_filters) == 1);
     for (int t = 0; t < 60; ++t) w.tick();
     CHECK(position(w, ghost)[1] < -1);
@@ -136,7 +137,7 @@ TEST_CASE("a mass, centre and inertia given by command hold, and go back to thos
     CHECK(w.mass(b) == Real(2));
     CHECK(position(w, b)[0] == test::about(0.25));
     CHECK(std::abs(to_double(w.pose(b).position)[0]) < 1e-6); // the origin stays
-    made(w.create_shape(b, {.geometry = sphere(0.3_r)}));     // shapes no longer change it
+    made(w.create_shape(b, {.geometry = sphere(0.3_r)}));     // a shape no longer changes the mass
     CHECK(w.mass(b) == Real(2));
     done(w.add_impulse(b, vec(4, 0, 0), vec(0, 1, 0)));
     CHECK(velocity(w, b)[0] == test::about(2));

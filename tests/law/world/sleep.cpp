@@ -1,4 +1,4 @@
-// Islands that rest fall asleep as a whole and wake as a whole; what sleeps is not touched by a tick.
+// Islands at rest fall asleep as a whole and wake as a whole; a tick does not change sleeping bodies.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -28,7 +28,7 @@ int ticks_to_sleep(World& w, BodyId body, int limit) {
     return ticks;
 }
 
-/// A ball that swings on a spring without damping sleeps within so many ticks, at most 45.
+/// Returns after how many ticks a ball on an undamped spring sleeps, at most 45.
 int ticks_of_swing(double frequency, double amplitude) {
     World w = made(World::create(weightless(drowsy_def())));
     const BodyId anchor =
@@ -84,9 +84,10 @@ TEST_CASE("nothing sleeps in a world that is told so, nor while it moves") {
 
 TEST_CASE("what swings on the spot sleeps, unless it swings as far as the sleep speed goes in the sleep "
           "time, or fast") {
-    CHECK(ticks_of_swing(2, 0.006) <= 40);  // at most 75 mm/s, 12 mm from one end to the other
-    CHECK(ticks_of_swing(0.9, 0.02) == 45); // 113 mm/s, but 20 mm to either side of any place it started from
-    CHECK(ticks_of_swing(4, 0.006) == 45);  // 150 mm/s
+    CHECK(ticks_of_swing(2, 0.006) <= 40); // at most 75 mm/s, 12 mm from one end to the other
+    // 113 mm/s, but always 20 mm from the place where its measure started
+    CHECK(ticks_of_swing(0.9, 0.02) == 45);
+    CHECK(ticks_of_swing(4, 0.006) == 45); // 150 mm/s
 }
 
 TEST_CASE("an island sleeps and wakes as a whole, and its neighbour does not notice") {
@@ -138,7 +139,7 @@ TEST_CASE(
     }
     CHECK(woken_at > 10);
     const Vec3 off = w.pose(crate).position - sleepless.pose(crate).position;
-    CHECK(length(off) < real(0.01)); // the velocity that sleep took was below 0.05 m/s
+    CHECK(length(off) < real(0.01)); // sleep removed a velocity below 0.05 m/s
 }
 
 TEST_CASE("a joint, a kinematic body that starts, a floor that goes: each wakes what it holds") {
@@ -155,7 +156,7 @@ TEST_CASE("a joint, a kinematic body that starts, a floor that goes: each wakes 
     done(w.set_velocity(lift, vec(0, 0.02, 0), vec(0, 0, 0)));
     CHECK(w.is_awake(rider));
     run(w, 120);
-    CHECK(w.is_awake(rider)); // slower than the sleep speed, but carried
+    CHECK(w.is_awake(rider)); // slower than the sleep speed, but on a moving lift
     done(w.set_velocity(lift, vec(0, 0, 0), vec(0, 0, 0)));
     run(w, 60);
     CHECK(!w.is_awake(rider));
@@ -200,13 +201,14 @@ TEST_CASE("gravity, fields, filters, materials, shapes and static bodies wake wh
           }) == Woken{true, true, false});
     CHECK(woken_by([](World& w, BodyId f, BodyId) {
               done(w.set_material({w.shapes(f)[0], Real(0), Real(0), Real(0), {}}));
-          }) == Woken{true, true, true}); // both stand on it
+          }) == Woken{true, true, true}); // both rest on it
     CHECK(woken_by([](World& w, BodyId, BodyId c) { done(w.set_pose(c, at(0, 2, 0))); }) ==
           Woken{true, true, false});
     CHECK(woken_by([](World& w, BodyId f, BodyId c) { done(w.set_pair_filter(f, c, false)); }) ==
           Woken{true, true, true});
     CHECK(woken_by([](World& w, BodyId, BodyId c) { done(w.wake_body(c)); }) == Woken{true, true, false});
-    // A wall that appears in a sleeper wakes it when the next tick finds them together; one that appears elsewhere does not.
+    // A wall that appears inside a sleeper wakes it when the next tick finds their overlap. A wall that appears
+    // elsewhere does not.
     CHECK(woken_by([](World& w, BodyId, BodyId) { add_wall(w, at(0.7, 0.5, 0), vec(0.3, 0.5, 0.5)); }) ==
           Woken{false, true, false});
     CHECK(woken_by([](World& w, BodyId, BodyId) { add_wall(w, at(8, 0.5, 0), vec(0.3, 0.5, 0.5)); }) ==
@@ -255,7 +257,7 @@ BodyId sleeper_at(World& w, double x, double y, std::uint32_t awake = 0) {
     return add(w, {.pose = at(x, y, 0), .awake = awake}, {.geometry = box(real(0.5), real(0.5), real(0.5))});
 }
 
-/// Empty when the body, which hangs in the air, sleeps there.
+/// Returns an error sentence unless the body, which hangs in the air, sleeps there.
 std::string sleeper_fault(World& w, BodyId body) {
     const Transform before = w.pose(body);
     for (int i = 0; i < 100; ++i) {
@@ -313,7 +315,7 @@ TEST_CASE(
         CHECK(abs(w.pose(pile[i]).position.y - real(0.5 + static_cast<double>(i))) < real(0.02));
     run(w, 300);
     CHECK(w.awake_count() == 0);
-    made(w.create_shape(pile[0], {.geometry = sphere(real(0.5))})); // it has been awake: a shape wakes it
+    made(w.create_shape(pile[0], {.geometry = sphere(real(0.5))})); // it has been awake: a new shape wakes it
     CHECK(w.is_awake(pile[0]));
 }
 

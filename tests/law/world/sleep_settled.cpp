@@ -1,4 +1,5 @@
-// Bodies fall asleep where they belong: no island sleeps while a correction of positions moves one of its bodies, or while it bobs.
+// Bodies fall asleep in their final places: no island sleeps while a position correction moves one of its bodies, or
+// while one oscillates.
 #include "support/effort.h"
 #include "support/rigs/corrected.h"
 

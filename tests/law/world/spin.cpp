@@ -1,5 +1,5 @@
-// Fast spinning bodies: heavy tops on joints and tumbling about a fixed point against closed forms; energy of what hits
-// the floor while it spins.
+// Fast spinning bodies: heavy tops on joints and tumbling about a fixed point against closed forms; the energy of
+// spinning bodies that hit the floor.
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -18,7 +18,7 @@ D3 cross(D3 a, D3 b) {
 }
 Vec3 vec3(D3 v) { return vec(v[0], v[1], v[2]); }
 
-/// A disc of 2 kg at the end of a rod that stands on a pivot, tilted.
+/// A disc of 2 kg at the end of a tilted rod whose foot is a pivot.
 struct Top {
     static constexpr double arm = 0.1, tilt = std::numbers::pi / 3, mass = 2, radius = 0.2,
                             half_height = 0.02;
@@ -33,7 +33,7 @@ struct Top {
 };
 
 /// The slow root of I cos t W^2 - L W + m g l = 0.    source: Goldstein, Classical Mechanics, 5.7
-///   I about the pivot across the axis, L the angular momentum along it, t the tilt
+///   I: moment about the pivot across the axis, L: angular momentum along the axis, t: tilt
 double precession(double across, double along, double load) {
     const double p = across * std::cos(Top::tilt);
     return (along - std::sqrt(along * along - 4 * p * load)) / (2 * p);
@@ -50,7 +50,7 @@ BodyId add_disc(World& w, D3 velocity, D3 spin, std::uint32_t gyroscopic) {
     return disc;
 }
 
-/// The disc itself stands on the pivot. `slower`: it spins at so much of the speed that `rate` belongs to.
+/// The disc alone, jointed to the pivot. `slower`: its spin, relative to the one for which `rate` holds.
 Top lone_top(double own, double slower = 1, std::uint32_t gyroscopic = 1) {
     Top top;
     const double across = Top::cross_moment() + Top::mass * Top::arm * Top::arm;
@@ -61,7 +61,7 @@ Top lone_top(double own, double slower = 1, std::uint32_t gyroscopic = 1) {
     return top;
 }
 
-/// The disc turns on a rod, and that stands on the pivot: a tree of two joints.
+/// The disc turns on a rod, and the rod is jointed to the pivot: a tree of two joints.
 Top wheel_on_rod(double own, double slower = 1) {
     constexpr double rod_mass = 0.2, rod_half = Top::arm / 2, thick = 0.02;
     const double rod_across = rod_mass * ((rod_half * rod_half + thick * thick) / 3 + rod_half * rod_half);
@@ -83,8 +83,8 @@ Top wheel_on_rod(double own, double slower = 1) {
 }
 
 struct Precession {
-    double rate_off; ///< of the rate, relative
-    double tilt_off; ///< most [degrees]
+    double rate_off; ///< error of the rate, relative
+    double tilt_off; ///< largest error of the tilt [degrees]
 };
 Precession watch(Top& top, int seconds) {
     double angle = 0, last = 0, worst = 0;
@@ -99,7 +99,7 @@ Precession watch(Top& top, int seconds) {
     return {std::abs(angle / (top.rate * seconds) - 1), worst * 180 / std::numbers::pi};
 }
 
-/// Empty when it precesses as it should: the rate to 0.2 %, the tilt to 0.3 degrees.
+/// Returns an error sentence unless the rate is right to 0.2 % and the tilt to 0.3 degrees.
 std::string astray(Top top, int seconds) {
     const Precession found = watch(top, seconds);
     if (found.rate_off > 0.002) return "the rate";
@@ -107,7 +107,7 @@ std::string astray(Top top, int seconds) {
     return {};
 }
 
-/// A box that tumbles, held at its centre of mass: over a third of its mass and in its axes, moments and spin.
+/// A tumbling box, fixed at its centre of mass. Moments, divided by a third of its mass, and spin are in its axes.
 struct Tumbler {
     static constexpr D3 half{0.1, 0.2, 0.4}, moments{0.04 + 0.16, 0.01 + 0.16, 0.01 + 0.04};
     World w = made(World::create(weightless()));
@@ -132,7 +132,7 @@ struct Tumbler {
     }
 };
 
-/// Euler's equations, by the classical fourth-order method.
+/// A step of Euler's equations by the classical fourth-order Runge-Kutta method.
 D3 euler_step(D3 w, double h) {
     const D3& m = Tumbler::moments;
     const auto rate = [&](D3 s) {
@@ -143,7 +143,7 @@ D3 euler_step(D3 w, double h) {
     return w + (h / 6) * (k1 + 2 * k2 + 2 * k3 + k4);
 }
 
-/// Counts how often the spin along the middle axis turns round.
+/// Counts how often the spin along the middle axis changes its direction.
 struct FlipCount {
     double half_speed, side = 1;
     int flips = 0;
@@ -152,7 +152,8 @@ struct FlipCount {
     }
 };
 
-/// Empty when a body of that speed [rad/s] keeps its energy, its momentum and its rhythm for 20 seconds.
+/// Returns an error sentence unless a body with that speed [rad/s] keeps its energy, momentum and flip rate for 20
+/// seconds.
 std::string astray(double speed, double energy_most, std::uint32_t gyroscopic = 1) {
     Tumbler t(speed, gyroscopic);
     const D3 l0 = t.momentum();
@@ -169,8 +170,8 @@ std::string astray(double speed, double energy_most, std::uint32_t gyroscopic = 
     return std::abs(flips.flips - expected.flips) > 1 ? "rhythm" : "";
 }
 
-/// Twenty boxes and cylinders fall on a floor, spinning at about `speed` [rad/s]: their most energy over that at first.
-/// `given`: what is put in after half a second, as part of the first energy.
+/// Twenty boxes and cylinders fall on a floor, with a spin of about `speed` [rad/s]. Returns their greatest energy
+/// relative to the initial one. `given`: energy that is added after half a second, relative to the initial energy.
 double most_energy(double speed, double friction, double given = 0) {
     double most = 0;
     for (int k = 0; k < 20; ++k) {

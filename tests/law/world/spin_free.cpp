@@ -1,5 +1,5 @@
-// Bodies that nothing touches, thin ones and fast ones: kinetic energy and angular momentum of a free body stay, and a body
-// of revolution precesses about its momentum at the closed form's rate.
+// Free bodies, thin and fast: kinetic energy and angular momentum stay constant, and a body of revolution precesses
+// about its momentum at the closed form's rate.
 #include "lockstone/tasks.h"
 #include "support/sim_scenes.h"
 
@@ -17,7 +17,7 @@ D3 cross(D3 a, D3 b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// A body with its squared radii of gyration, which are about the axes of its shape.
+/// A body with its squared radii of gyration about the axes of its shape.
 struct Spinner {
     World w;
     BodyId body;
@@ -30,7 +30,7 @@ struct Spinner {
         moments = {to_double(mass.gyration_squared.x.x), to_double(mass.gyration_squared.y.y),
                    to_double(mass.gyration_squared.z.z)};
     }
-    D3 momentum() const { // per mass
+    D3 momentum() const { // per unit of mass
         const Quat q = w.pose(body).rotation;
         const D3 s = to_double(rotate(conjugate(q), to<Real>(w.angular_velocity(body))));
         return to_double(rotate(q, vec(moments[0] * s[0], moments[1] * s[1], moments[2] * s[2])));
@@ -45,8 +45,8 @@ WorldDef empty_def(std::uint32_t substeps) {
     return def;
 }
 
-/// Empty when a free body keeps its energy and its angular momentum for five seconds, to a thousandth: thirty times what steps of
-/// angular velocities add up to.
+/// Returns an error sentence unless a free body keeps energy and angular momentum for five seconds, to a thousandth:
+/// thirty times the accumulated rounding of angular velocities.
 std::string astray(const Geometry& shape, D3 spin) {
     for (const std::uint32_t substeps : {4u, 8u}) {
         Spinner s(empty_def(substeps), shape, spin);
@@ -61,7 +61,8 @@ std::string astray(const Geometry& shape, D3 spin) {
     return {};
 }
 
-/// How far a body of revolution is from the closed form after a second, over how far it turned about its momentum.
+/// Returns the largest distance of a body of revolution from the closed form within a second, relative to its turn
+/// about the momentum.
 ///   rate about L: |L| / I across, the axis at a constant angle to L      source: Goldstein, Classical Mechanics, 5.6
 double off_closed_form(const Geometry& shape, D3 spin) {
     Spinner s(empty_def(4), shape, spin);
@@ -80,7 +81,7 @@ double off_closed_form(const Geometry& shape, D3 spin) {
     return worst;
 }
 
-/// A rod falls on a floor as it spins: its most energy over that at first.
+/// A spinning rod falls on a floor. Returns its greatest energy relative to the initial one.
 double most_energy_on_floor(double radius, double half, double speed) {
     double most = 0;
     for (int k = 0; k < 6; ++k) {

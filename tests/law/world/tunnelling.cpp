@@ -1,4 +1,4 @@
-// Fast bodies against what is thin: none gets through.
+// Fast bodies against thin walls: none passes through.
 #include "support/random.h"
 
 #include <doctest/doctest.h>
@@ -10,11 +10,11 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// What is shot.
+/// The projectiles.
 enum class Shot { ball, capsule, cylinder, cone, cube, plate, needle, rounded, group, count };
 constexpr const char* shot_names[] = {"ball",  "capsule", "cylinder", "cone", "cube",
                                       "plate", "needle",  "rounded",  "group"};
-/// What it is shot at. All of them part the world at y = 0, near enough, over many metres.
+/// The targets. Each separates the world near y = 0, over many metres.
 enum class Wall { slab, tiles, plane, mesh, two_sided, height_field, compound, count };
 constexpr const char* wall_names[] = {"slab",           "tiles",        "plane",   "mesh",
                                       "two-sided mesh", "height field", "compound"};
@@ -30,7 +30,7 @@ AssetId needle(AssetLibrary& library) {
     return library.add(bake_hull(points)).value();
 }
 
-/// A flat grid of triangles about the origin, in the plane y = 0, its front up.
+/// A flat grid of triangles about the origin, in the plane y = 0, with its front upwards.
 AssetId grid(AssetLibrary& library, bool two_sided) {
     constexpr int side = 24;
     std::vector<Vec3> vertices;
@@ -132,7 +132,7 @@ struct Tally {
     std::string first;
 };
 
-/// Shots from above, mostly down, at all speeds; some at seams and corners, which lie at whole metres.
+/// Shots from above, mostly downwards, at all speeds. Some aim at seams and corners, which lie at whole metres.
 Tally shoot(Wall wall, Shot shot, int count, bool continuous) {
     static const Assets assets;
     RandomPoint random(static_cast<std::uint64_t>(wall) * 100 + static_cast<std::uint64_t>(shot));

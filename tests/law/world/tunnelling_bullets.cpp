@@ -1,4 +1,4 @@
-// Bullets against thin bodies that move themselves, against each other, and what a sweep must not do.
+// Bullets against moving thin bodies and against each other, and side effects that a sweep must not have.
 #include "support/about.h"
 #include "support/random.h"
 
@@ -13,13 +13,13 @@ namespace {
 
 constexpr double half_plate = 1, half_thickness = 0.005;
 
-/// Where the bullet is in the plate's axes.
+/// The bullet's centre of mass in the plate's axes.
 D3 seen_from(const World& w, BodyId plate, BodyId bullet) {
     const Vec3 local = inverse_mul(w.pose(plate), w.center_of_mass(bullet));
     return to_double(local);
 }
 
-/// Whether a bullet went through a plate: its centre crossed the plate's middle plane inside the plate's rim.
+/// Returns whether a bullet passed through a plate: its centre crossed the middle plane inside the rim.
 bool crosses(D3 before, D3 after) {
     if ((before[1] > 0) == (after[1] > 0)) return false;
     const double t = before[1] / (before[1] - after[1]);
@@ -31,7 +31,7 @@ struct Volley {
     int shots = 0, through = 0, hits = 0;
 };
 
-/// Shots of balls and boxes at plates that come towards them, flee, slide across and turn.
+/// Shots of balls and boxes at plates that approach, flee, slide sideways and turn.
 Volley shoot_plates(int count, BodyKind kind, bool bullet, bool resting_bullet) {
     RandomPoint random(7);
     Volley volley;
@@ -129,7 +129,8 @@ TEST_CASE("bullets never pass through each other") {
 }
 
 TEST_CASE("a sweep does not hold up what slides over seams") {
-    // A frictionless ball goes as far as without sweeps, on one slab, on tiles (whose seams the contacts feel) and on a mesh.
+    // A frictionless ball slides as far as without sweeps on one slab, on tiles (whose seams give contacts) and on a
+    // mesh.
     const auto slide = [](int kind, std::uint32_t continuous) {
         auto library = std::make_shared<AssetLibrary>();
         std::vector<Vec3> vertices;
@@ -191,7 +192,7 @@ TEST_CASE("a sweep heeds filters: sensors, groups and masks let a shot pass") {
 
 namespace {
 
-/// Where a ball that is shot down at a kinematic slab ends [m], beside plates that are driven far away.
+/// The heights of a ball that is shot down at a kinematic slab, by tick [m], while other plates are driven far away.
 std::vector<Real> heights_of_shot(double speed, int driven_plates, double slab_speed) {
     WorldDef def = weightless();
     def.bodies_max = def.shapes_max = 256;
@@ -219,9 +220,9 @@ TEST_CASE("how a shot meets a kinematic body that stands still does not depend o
         CAPTURE(speed);
         const std::vector<Real> alone = heights_of_shot(speed, 0, 0);
         CHECK(heights_of_shot(speed, 1, 0) == alone);
-        CHECK(heights_of_shot(speed, 70, 0) == alone); // more than are compared one by one
+        CHECK(heights_of_shot(speed, 70, 0) == alone); // more than the code compares one by one
         CHECK(alone.back() > Real{});
         told_apart += heights_of_shot(speed, 0, 1) != alone;
     }
-    CHECK(told_apart > 10); // twin: a slab that comes is another
+    CHECK(told_apart > 10); // negative control: a moving slab changes the result
 }

@@ -1,4 +1,4 @@
-// Fast bodies and one-way shapes: a sweep stops what comes from the side of +y, and nothing else.
+// Fast bodies and one-way shapes: a sweep stops bodies that come from the side of +y, and no others.
 #include "support/random.h"
 
 #include <doctest/doctest.h>
@@ -12,12 +12,12 @@ constexpr double half_platform = 1.5, half_thickness = 0.005;
 
 struct Setting {
     BodyKind kind = BodyKind::static_; ///< of the platform
-    bool from_above = true;            ///< the body moves against the platform's +y, seen from the platform
-    bool platform_flies = false;       ///< the platform has the speed, the body is at rest
+    bool from_above = true;            ///< the body moves towards the platform's -y, in the platform's frame
+    bool platform_flies = false;       ///< the platform moves and the body is at rest
     std::uint32_t one_way = 1, continuous = 1;
 };
 
-/// Whether the way from one place to another goes through the platform, in its axes.
+/// Returns whether the way between two places, in the platform's axes, passes through the platform.
 bool crosses(D3 before, D3 after) {
     if ((before[1] > 0) == (after[1] > 0)) return false;
     const D3 at = before + before[1] / (before[1] - after[1]) * (after - before);
@@ -25,10 +25,10 @@ bool crosses(D3 before, D3 after) {
 }
 
 struct Tally {
-    int shots = 0, through = 0, slowed = 0; ///< slowed: lost a hundredth of the speed that it had
+    int shots = 0, through = 0, slowed = 0; ///< slowed: lost a hundredth of its speed
 };
 
-/// Balls, capsules and cubes of 1 to 5 cm and a thin platform, turned anyhow, that meet at 60 to 490 m/s.
+/// Balls, capsules and cubes of 1 to 5 cm and a thin platform, in random orientations, that meet at 60 to 490 m/s.
 Tally shoot(const Setting& setting, int count) {
     RandomPoint random(17);
     Tally tally;
@@ -73,7 +73,7 @@ Tally shoot(const Setting& setting, int count) {
     return tally;
 }
 
-/// Empty when the platform did what it must: hold up all that comes from above, and nothing that comes from below.
+/// Returns a sentence unless the platform stopped every body from above, or let every body from below pass unslowed.
 std::string complaint(const Setting& setting, int count) {
     const Tally t = shoot(setting, count);
     const bool right = setting.from_above ? t.through == 0 : t.through == t.shots && t.slowed == 0;

@@ -1,4 +1,4 @@
-// Pointed bodies that are shot at a plate and turn with their tip in it: none gets through, and none stays stuck in it.
+// Pointed bodies, shot at a plate, that turn with their tip in it: none passes through, and none sticks in it.
 #include "support/random.h"
 
 #include <doctest/doctest.h>
@@ -12,8 +12,8 @@ struct Shots {
     int through = 0, stuck = 0;
 };
 
-/// Cones that fall on a plate of 100 m at 30 to 120 m/s, any way up. Through: a core's middle is below the plate after two seconds, far from its
-/// border. Stuck: the body moves as fast as it came, and is where it was.
+/// Cones that fall on a plate of 100 m at 30 to 120 m/s, in any orientation. Through: the middle of the body is below
+/// the plate after two seconds, far from its rim. Stuck: the body has a speed above 10 m/s and does not move.
 Shots shoot(const Geometry& cone, double half_thickness, std::uint32_t continuous) {
     RandomPoint random{7};
     Shots found;

@@ -8,7 +8,7 @@ namespace lockstone::zoo {
 
 namespace {
 
-/// Least and greatest height of an object about its origin, turned.
+/// The least and greatest height of a rotated object relative to its origin.
 struct Heights {
     double low = 1e9, high = -1e9;
 };
@@ -41,7 +41,7 @@ Vec3 draw_vector(SplitMix& random, double least, double most) {
     return vec(times(log_between(random, least, most), way));
 }
 
-/// The documented range of spins: 170 m/s, and 2 m in a tick, at the gyration radius, which is at most half of the size.
+/// The limit of spins: 170 m/s, and 2 m in a tick, at the radius of gyration, which is at most half of the size.
 double spin_most(const Object& o, const WorldDef& def) {
     return 2 * std::min(170.0, 2.0 * def.tick_rate) / o.size;
 }
@@ -50,7 +50,7 @@ Vec3 draw_spin(SplitMix& random, double least, double most, const Object& o, con
     return draw_vector(random, std::min(least, limit), std::min(most, limit));
 }
 
-/// Two objects of one library.
+/// Two objects in one library.
 Case draw_two(SplitMix& random) {
     Case c;
     for (int i = 0; i < 2; ++i) {
@@ -68,7 +68,7 @@ Case draw_two(SplitMix& random) {
     return c;
 }
 
-/// A body of a size rocks with a period that goes with the root of it: 12 s up to a metre, 54 s for 20 m.
+/// The rocking period of a body grows with the root of its size: 12 s up to a metre, 54 s for 20 m.
 int ticks_to_settle(const Case& c) {
     double size = 1;
     for (const Thrown& t : c.objects) size = std::max(size, t.object.size);
@@ -162,7 +162,7 @@ Case draw_meeting(std::uint64_t seed) {
     SplitMix random = stream(seed, 4);
     Case c = draw_two(random);
     c.seed = seed, c.kind = "meeting";
-    c.def.gravity = {}, c.def.sleeping = 0; // what sleeps has lost its slow speed
+    c.def.gravity = {}, c.def.sleeping = 0; // sleep removes slow speeds
     Thrown &first = c.objects[0], &second = c.objects[1];
     first.pose.rotation = any_turn(random);
     second.pose.rotation = any_turn(random);

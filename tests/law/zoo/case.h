@@ -1,4 +1,5 @@
-// One object or two, dropped on a floor, stacked, thrown at each other, or meeting in space; and the laws that hold for them.
+// One or two objects that drop on a floor, are stacked, are thrown at each other, or meet in space; and the laws for
+// these cases.
 //
 //   Case c = draw_pair(seed);
 //   std::string fault = pair_fault(c, track(c));
@@ -10,7 +11,7 @@
 
 namespace lockstone::zoo {
 
-/// An object and how it begins.
+/// An object and its initial state.
 struct Thrown {
     Object object;
     Transform pose{};
@@ -23,9 +24,9 @@ struct Case {
     std::uint64_t seed = 0;
     const char* kind = "drop";
     std::vector<Thrown> objects; ///< one or two
-    std::optional<Floor> floor;  ///< none: in space, without gravity
+    std::optional<Floor> floor;  ///< empty: in space, without gravity
     WorldDef def{};
-    int ticks = 0; ///< at most
+    int ticks = 0; ///< the most ticks
     std::string about() const;
 };
 
@@ -43,25 +44,26 @@ struct Stage {
 };
 Stage stage(const Case& c, Vec3 offset = {});
 
-/// A wrong outcome, made on purpose: a law must report it.
+/// A planted fault in the outcome. A law must report it.
 enum class Wrong {
     nothing,
     pushed,    ///< the last object is 3 m/s faster from tick 10 on
     turned,    ///< the last object spins 3 rad/s faster from tick 10 on
     stuck,     ///< the last object stays where it is from tick 10 to 20, and keeps its velocity
-    sunk,      ///< each object is 5 mm lower when all is over
-    passed,    ///< nothing is swept
-    sleepless, ///< nothing falls asleep
+    sunk,      ///< at the end, each object is 5 mm lower
+    passed,    ///< no sweeps
+    sleepless, ///< no sleep
     hung,      ///< each object sleeps 20 cm above its place
 };
 
 /// The measures of one object.
 struct Part {
     double lowest_at_end = 0; ///< least height [m]
-    double centre_least = 0;  ///< least height of its core's centre, of a hull that of mass, at any tick [m]
-    double top_least = 0;     ///< least height of its highest point at any tick [m]
-    double speed_at_end = 0;  ///< of its fastest point [m/s]
-    double quickest = 0;      ///< greatest speed of its centre of mass [m/s]
+    /// least height of the centre of its core (of a hull: its centre of mass) at any tick [m]
+    double centre_least = 0;
+    double top_least = 0;    ///< least height of its highest point over all ticks [m]
+    double speed_at_end = 0; ///< of its fastest point [m/s]
+    double quickest = 0;     ///< greatest speed of its centre of mass [m/s]
 };
 
 /// The measures that the laws bound.
@@ -70,18 +72,18 @@ struct Track {
     double energy_above_start = 0; ///< the most at any tick [J]
     double energy_allowed = 0;     ///< [J]
     double energy_at_start = 0;    ///< kinetic [J]
-    double overlap_at_end = 0;     ///< of the two objects, after all is over [m]
+    double overlap_at_end = 0;     ///< of the two objects, at the end [m]
     double overlap_allowed = 0;    ///< [m]
-    double quiet = 0;              ///< longest time that all are at rest and not all asleep [s]
+    double quiet = 0;              ///< longest time in which all are at rest but not all asleep [s]
     double asleep_at = -1;         ///< [s]; -1: not all sleep
-    int held = 0;                  ///< longest run of ticks in which an object is fast and does not go
-    double held_speed = 0;         ///< at most in such a run [m/s]
-    double woken_way = 0;          ///< farthest way of a point that sleeps, after all are woken [m]
+    int held = 0;                  ///< longest run of ticks in which an object has a speed but does not move
+    double held_speed = 0;         ///< the greatest speed in such a run [m/s]
+    double woken_way = 0;          ///< greatest motion of a point of a sleeping body, after all are woken [m]
     double momentum_off = 0;       ///< the most at the end, over the mass of both [m/s]
     double momentum_allowed = 0;   ///< [m/s]
     double spin_off = 0;           ///< angular momentum at the end less that of the start [kg m^2/s]
     double spin_allowed = 0;       ///< [kg m^2/s]
-    double free_speed = 0;         ///< that one object reaches by its own fall and throw [m/s]
+    double free_speed = 0;         ///< speed that one object reaches by its own fall and throw [m/s]
     int touching = 0;              ///< ticks in which the two objects touch
     bool moved_asleep = false;
     bool left = false; ///< an object has gone over the edge of the floor
@@ -89,17 +91,18 @@ struct Track {
 };
 Track track(const Case& c, Wrong wrong = Wrong::nothing);
 
-/// Laws: each returns what does not hold, in a sentence, or nothing.
-std::string energy_law(const Case& c, const Track& t);  ///< energy never rises above that of the start
-std::string depth_law(const Case& c, const Track& t);   ///< what rests lies within 1 mm of what it rests on
+/// Laws. Each returns an error sentence, or an empty string if it holds.
+std::string energy_law(const Case& c, const Track& t);  ///< the energy is never above the initial one
+std::string depth_law(const Case& c, const Track& t);   ///< bodies at rest lie within 1 mm of their support
 std::string passage_law(const Case& c, const Track& t); ///< no centre of mass gets below the floor
-std::string asleep_law(const Case& c, const Track& t);  ///< what rests falls asleep
-std::string woken_law(const Case& c, const Track& t);   ///< what sleeps is at rest
+std::string asleep_law(const Case& c, const Track& t);  ///< bodies at rest fall asleep
+std::string woken_law(const Case& c, const Track& t);   ///< sleeping bodies are at rest
 std::string settled_law(const Case& c,
-                        const Track& t); ///< what cannot roll sleeps within the time of the case
-std::string momentum_law(const Case& c, const Track& t); ///< two that meet in space keep momentum and spin
-std::string held_law(const Case& c, const Track& t);     ///< what the sweep stops loses its speed
-/// The motion `offset` away equals that at the origin, bit by bit. `nudged`: the last object begins 2^-32 m aside there.
+                        const Track& t); ///< objects that cannot roll sleep within the time of the case
+/// Two objects that meet in space keep momentum and spin.
+std::string momentum_law(const Case& c, const Track& t);
+std::string held_law(const Case& c, const Track& t); ///< a body that the sweep stops loses its speed
+/// The motion at `offset` equals that at the origin, bit by bit. `nudged`: there the last object begins 2^-32 m aside.
 std::string far_law(const Case& c, Vec3 offset, bool nudged = false);
 
 struct Law {

@@ -1,4 +1,5 @@
-// Laws over single objects, shots, pairs and meetings in space, each drawn by a seed. docs/results/zoo-2026-11-30.md has what they found.
+// Laws over single objects, shots, pairs and meetings in space, each drawn by a seed. docs/results/zoo-2026-11-30.md
+// has the results.
 #include "law/zoo/case.h"
 #include "law/zoo/shrink.h"
 #include "support/effort.h"
@@ -16,13 +17,13 @@ using namespace lockstone::test;
 
 namespace {
 
-/// How many seeds of 10,000 break each law, in the order of `laws`: as measured. Zero: none may.
+/// By law, in the order of `laws`: how many seeds of 10,000 broke it when it was measured. Zero: no seed may.
 using Shares = std::array<int, std::size(laws)>;
 
-/// A share of few seeds varies: three more than twice what is due.
+/// The share of few seeds varies: the bound is three more than twice the expected number.
 int most_of(int share, int count) { return share == 0 ? 0 : 3 + 2 * share * count / 10'000; }
 
-/// The case that breaks a law, and the smallest one that still does.
+/// Prints the case that breaks a law, and the smallest case that still does.
 void report(const Case& c, const Law& law, const std::string& fault) {
     const auto fails = [&](const Case& smaller) { return !law.fault(smaller, track(smaller)).empty(); };
     MESSAGE(std::string(law.name), ": ", c.about(), ": ", fault, "\nsmallest:\n",
@@ -86,11 +87,11 @@ TEST_CASE("objects of any proportion move alike, bit by bit, wherever they are")
         }
 }
 
-// Twins: each law reports what breaks it on purpose.
+// Negative controls: each law reports a planted fault.
 
 namespace {
 
-/// How many seeds from 1 to 20 keep the law, and break it after the wrong.
+/// Counts the seeds from 1 to 20 that keep the law, and break it with the planted fault.
 int noticed(Case (*draw)(std::uint64_t), std::string (*law)(const Case&, const Track&), Wrong wrong) {
     int count = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -1,4 +1,4 @@
-// Numbers and directions that seeds draw, and the conversions that objects need.
+// Numbers and directions that seeds draw, and the conversions for objects.
 #pragma once
 
 #include "lockstone/math/convert.h"
@@ -17,13 +17,14 @@ using test::SplitMix;
 
 inline constexpr double pi = 3.14159265358979323846;
 
-/// A stream of numbers of its own for each seed: SplitMix walks in equal steps, so that neighbours would walk along one way.
+/// A stream of numbers for each seed. SplitMix advances in equal steps, so neighbouring seeds without this mix would
+/// overlap.
 inline SplitMix stream(std::uint64_t seed, std::uint64_t kind) {
     return SplitMix(SplitMix(SplitMix(seed).next() ^ kind).next());
 }
 inline double unit(SplitMix& random) { return static_cast<double>(random.next() >> 11) * 0x1p-53; }
 inline double between(SplitMix& random, double low, double high) { return low + (high - low) * unit(random); }
-/// Each power of two is as likely.
+/// Logarithmic: each power of two is equally likely.
 inline double log_between(SplitMix& random, double low, double high) {
     return low * std::pow(high / low, unit(random));
 }
@@ -60,7 +61,7 @@ inline D3 across(const D3& a, const D3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// A pose in double, for laws.
+/// A pose in double precision, for laws.
 struct Placed {
     D3 at, x, y, z;
     explicit Placed(const Transform& pose) : at(to_double3(pose.position)) {

@@ -1,4 +1,4 @@
-// The floors that objects fall on: all have their surface at y = 0 and reach 60 m at least.
+// The floors for the objects: all have their surface at y = 0 and extend at least 60 m.
 #pragma once
 
 #include "lockstone/asset.h"
@@ -8,9 +8,9 @@
 
 namespace lockstone::zoo {
 
-/// `slab` is a box of 2 cm, `sheet` a mesh with two sides: a body that passes through them falls on.
+/// `slab` is a box of 2 cm, `sheet` a mesh with two sides: a body that passes through one of them keeps falling.
 enum class Floor { plane, box, seam, parts, hull, mesh, height_field, slab, sheet };
-inline constexpr int floor_count = 7; ///< those that are thick
+inline constexpr int floor_count = 7; ///< the thick ones
 inline constexpr int all_floor_count = 9;
 const char* name_of(Floor floor);
 

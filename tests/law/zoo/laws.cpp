@@ -1,4 +1,4 @@
-// Laws over objects of any proportion: what falls gains no energy, and lies on what it fell on.
+// Laws over objects of any proportion: a falling object gains no energy, and comes to rest on the floor.
 #include "law/zoo/object.h"
 #include "support/effort.h"
 #include "support/rigs/stopped_fall.h"
@@ -23,8 +23,7 @@ TEST_CASE("objects of any proportion gain no energy, however they fall") {
         ++faults;
         MESSAGE(drop.about(), ": ", fault);
     }
-    CHECK(faults <=
-          count / 20'000); // what is metres deep in a floor of 30 Hz is pushed out with more than it had
+    CHECK(faults <= count / 20'000); // pushing out a depth of metres at 30 Hz adds energy
 }
 
 TEST_CASE("a prism whose sides are flat to micrometres lies on every floor, and sleeps") {

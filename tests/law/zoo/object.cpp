@@ -15,7 +15,7 @@ void add_disc(Object& o, double radius, double y) {
     o.discs.push_back({radius, y});
 }
 
-/// An outline of some corners, above and below, and some more within it.
+/// An outline of some corners, at two heights, and some more points within it.
 std::vector<D3> prism(SplitMix& random, double a, double h, double b, double flatness) {
     std::vector<D3> points;
     const std::uint32_t corners = 3 + random.below(9), inner = random.below(3) == 0 ? 0 : random.below(8);
@@ -75,10 +75,11 @@ void draw_round(SplitMix& random, Object& o, double large, double small) {
     }
 }
 
-/// Heights of the object's lowest point and of its centre of mass; the speed of its fastest point; energy per mass. Steps of a length h keep
-/// v^2 / 2 + g y - g h v_y / 2 while a body falls, and not v^2 / 2 + g y (semi-implicit Euler), so the energy is that.
+/// Heights of the object's lowest point and of its centre of mass; the speed of its fastest point; energy per mass.
+/// Semi-implicit Euler with steps of a length h conserves v^2 / 2 + g y - g h v_y / 2 while a body falls, not v^2 / 2 +
+/// g y, so the energy is the former.
 struct Reading {
-    double lowest, centre, fastest, energy, rising; ///< rising: speed of the centre upwards
+    double lowest, centre, fastest, energy, rising; ///< rising: upward speed of the centre
 };
 Reading read(const World& w, BodyId body, const Object& o, const D3& gyration_squared, Quat principal) {
     const double step = 1.0 / (w.def().tick_rate * w.def().substeps);
@@ -189,7 +190,7 @@ Object draw_rounded(SplitMix& random) {
     }
 }
 
-/// Two to four boxes, turned or not, about a place.
+/// Two to four boxes, rotated or not, about a place.
 Object draw_compound(SplitMix& random) {
     Object o;
     o.assets = floor_library();
@@ -248,7 +249,7 @@ Object object_of(const AssetBytes& hull, const std::string& about) {
     }
     constexpr std::size_t corners_of_ball = 40;
     o.rolls = o.corners.size() >= corners_of_ball && nearest > 0.9 * farthest;
-    o.flatness = o.size / 4096; // facets within it make one face (src/shapes)
+    o.flatness = o.size / 4096; // facets within this distance are one face (src/shapes)
     o.about = about;
     return o;
 }
@@ -302,7 +303,7 @@ Drop drop_of(const Object& object, Floor floor, std::uint64_t seed) {
     drop.seconds = 60;
     const Quat turn = any_turn(random);
     const Rotation axes = to_rotation(turn);
-    double low = 0; // of the turned object
+    double low = 0; // of the rotated object
     for (const D3& c : object.corners)
         low = std::min(low,
                        to_double(axes.x.y) * c[0] + to_double(axes.y.y) * c[1] + to_double(axes.z.y) * c[2]);
@@ -368,7 +369,7 @@ Outcome play(const Drop& drop) {
     for (std::uint32_t t = 1; t <= static_cast<std::uint32_t>(drop.seconds) * drop.def.tick_rate; ++t) {
         p.world.tick();
         r = now();
-        // Where a swept body is stopped on its way down it has the speed of the whole tick: that energy is gone after the impact.
+        // A swept body that is stopped on its way down has the speed of the whole tick: the impact removes that energy.
         if (r.rising >= -0.01)
             out.energy_above_start = std::max(out.energy_above_start, (r.energy - start.energy) / 9.81);
         out.highest = std::max(out.highest, r.centre - start.centre);
@@ -388,7 +389,7 @@ Outcome play(const Drop& drop) {
 }
 
 std::string energy_fault(const Drop& drop, const Outcome& out) {
-    const double rise = 0.002 + 0.002 * drop.object.size; // by what overlap is pushed out
+    const double rise = 0.002 + 0.002 * drop.object.size; // the lift by pushing out an overlap
     if (out.energy_above_start <= rise) return {};
     return in_text("the energy rises by that of %.4g m of height (highest place: %.4g m above the start)",
                    out.energy_above_start, out.highest);

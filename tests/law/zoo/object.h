@@ -1,4 +1,4 @@
-// Single objects of any proportion, and where they are dropped: what games have that no scene of ours was made for.
+// Single objects of any proportion, and their drops: objects of games that no built-in scene has.
 //
 //   Drop drop = draw_drop(seed);              an object, a floor, a throw, a tick rate
 //   Outcome out = play(drop);
@@ -16,20 +16,20 @@
 
 namespace lockstone::zoo {
 
-/// A shape, and the points whose convex hull, swollen by `radius`, it is; in double, for laws.
+/// A shape, and the points whose convex hull, grown by `radius`, equals it; in double precision, for laws.
 struct Object {
     Geometry geometry{};
-    std::vector<std::array<double, 3>> corners; ///< of discs some 64
-    std::vector<std::array<double, 2>> discs;   ///< radius and height of those about the local y axis [m]
+    std::vector<std::array<double, 3>> corners; ///< about 64 of each disc
+    std::vector<std::array<double, 2>> discs;   ///< radius and height of discs about the local y axis [m]
     std::vector<CompoundPart> parts;            ///< of a compound
     std::array<double, 3> core{};               ///< of a compound, the centre of its thickest part
     double radius = 0;                          ///< [m]
     double thickness = 0;                       ///< least extent [m]
     double size = 0;                            ///< greatest extent [m]
-    double flatness = 0;                        ///< by how much sides differ from planes [m]
+    double flatness = 0;                        ///< greatest distance of its sides from planes [m]
     bool rolls = false;                         ///< round in some direction
     std::string about;
-    std::shared_ptr<AssetLibrary> assets; ///< that it needs, and the floor's
+    std::shared_ptr<AssetLibrary> assets; ///< the object's and the floor's
 };
 
 struct Drop {
@@ -44,22 +44,22 @@ struct Drop {
     std::string about() const;
 };
 
-/// Each side of the prism lies within `flatness` of a plane, as the sides of exported models do.
+/// Each side of the prism lies within `flatness` of a plane, like the sides of exported models.
 Object draw_prism(test::SplitMix& random, double large, double small, double middle, double flatness);
 Object draw_object(test::SplitMix& random);
 Object draw_object(test::SplitMix& random, double size_least, double thickness_least);
-/// From 1 cm on, and rounded ones and compounds too.
+/// Objects from 1 cm on, including rounded ones and compounds.
 Object draw_any(test::SplitMix& random);
 Drop draw_drop(std::uint64_t seed);
-/// With other numbers and objects.
+/// Draws with this generator and this function for objects.
 Drop draw_drop(std::uint64_t seed, test::SplitMix random, Object (*draw)(test::SplitMix&));
 /// An object of a baked hull.
 Object object_of(const AssetBytes& hull, const std::string& about);
-/// The object, turned as the seed says, from 30 cm above the floor; a minute.
+/// The object, rotated as the seed says, 30 cm above the floor; for a minute.
 Drop drop_of(const Object& object, Floor floor, std::uint64_t seed);
-/// A prism that falls flat, whose sides differ from planes by up to 2^-13 of its size.
+/// A prism that falls flat. Its sides differ from planes by up to 2^-13 of its size.
 Drop draw_flat_prism(std::uint64_t seed);
-/// Drops a beam of 10.7 x 15.3 cm onto one of its long edges; it must roll onto a side and sleep.
+/// Drops a beam of 10.7 x 15.3 cm onto one of its long edges. The beam must roll onto a side and sleep.
 struct Beam {
     double length, yaw_degrees, friction; ///< [m]
     bool precise;
@@ -80,12 +80,12 @@ struct Outcome {
     double centre_at_least = 0;    ///< least height of the centre of mass [m]
     double speed_at_end = 0;       ///< of the fastest point [m/s]
     double asleep_at = -1;         ///< [s]; -1: awake at the end
-    bool left = false;             ///< it has gone over the edge of the floor
+    bool left = false;             ///< it has passed the edge of the floor
 };
 Outcome play(const Drop& drop);
-/// Laws: each returns what does not hold, in a sentence, or nothing.
+/// Laws. Each returns an error sentence, or an empty string if it holds.
 std::string energy_fault(const Drop& drop,
-                         const Outcome& out); ///< the energy never rises above that of the start
+                         const Outcome& out);                 ///< the energy is never above the initial one
 std::string rest_fault(const Drop& drop, const Outcome& out); ///< the object ends on the floor, asleep
 
 } // namespace lockstone::zoo

@@ -13,7 +13,7 @@ namespace lockstone::zoo {
 
 namespace scene = test::scene;
 
-/// A shape and the radius of the ball about its origin that holds it [m].
+/// A shape and the radius of the ball about its origin that contains it [m].
 struct Passer {
     Geometry geometry;
     double reach;
@@ -39,8 +39,8 @@ inline Passer draw_passer(test::SplitMix& random, double size) {
     }
 }
 
-/// Shoots a bullet along a straight line through the centre of a shape, or beside it, where one of the two is a sensor. Returns a sentence
-/// where the events are not one begin and then one end, or none.
+/// Shoots a bullet along a straight line through the centre of a shape, or beside it. One of the two is a sensor.
+/// Returns a sentence unless the events are one begin and then one end (or none beside it).
 inline std::string passage_fault(std::uint64_t seed) {
     test::SplitMix random(seed);
     constexpr std::uint32_t rates[] = {30, 60, 120, 240};
@@ -62,7 +62,7 @@ inline std::string passage_fault(std::uint64_t seed) {
                spin = is_driven ? scene::vec(6 * part(), 6 * part(), 0) : Vec3{};
     ShapeDef of_still{.geometry = still.geometry}, of_shot{.geometry = shot.geometry};
     (carries_sensor ? of_shot : of_still).sensor = 1;
-    // Both bodies may be bullets: then each is swept against the other.
+    // Both bodies may be bullets: then each sweeps against the other.
     const bool are_both_bullets = random.below(3) == 0;
     BodyDef other{.kind = is_driven ? BodyKind::kinematic : BodyKind::static_,
                   .pose = scene::at(0, 0, 0, turn()),

@@ -1,4 +1,4 @@
-// A bullet that passes through a sensor within a tick, or within several, begins and ends once.
+// A bullet that passes through a sensor, within one tick or several, gives one begin event and one end event.
 #include "law/zoo/passage.h"
 #include "support/effort.h"
 

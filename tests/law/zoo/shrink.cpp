@@ -8,7 +8,7 @@ namespace lockstone::zoo {
 
 namespace {
 
-/// Nearest number of `digits` decimal digits.
+/// The nearest number with this many decimal digits.
 double rounded(double x, int digits) {
     if (x == 0) return 0;
     const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x))) + 1 - digits);
@@ -19,7 +19,7 @@ Vec3 rounded(Vec3 v, int digits) {
     return vec(rounded(d[0], digits), rounded(d[1], digits), rounded(d[2], digits));
 }
 
-/// The box that holds an object's corners, if the object is about its own origin.
+/// The bounding box of an object's corners, if the object is centred on its origin.
 Object box_for(const Object& o) {
     D3 half{};
     for (const D3& c : o.corners)

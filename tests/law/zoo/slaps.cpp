@@ -1,4 +1,4 @@
-// Thin plates that slap onto a floor.
+// Thin plates that fall and hit a floor flat.
 #include "support/effort.h"
 #include "support/rigs/slapped_plate.h"
 

@@ -1,4 +1,4 @@
-// Plays a case and measures what the laws bound.
+// Plays a case and measures the values that the laws bound.
 #include "law/zoo/case.h"
 #include "law/zoo/draw.h"
 
@@ -69,8 +69,9 @@ class Player {
     Track out;
 };
 
-/// Steps of a length h keep v^2 / 2 + g y - g h v_y / 2 while a body falls, and not v^2 / 2 + g y (semi-implicit Euler), so the energy is
-/// that. A swept body that is stopped on its way down has the speed of the whole tick: the height that it did not fall through counts less.
+/// Semi-implicit Euler with steps of a length h conserves v^2 / 2 + g y - g h v_y / 2 while a body falls, not v^2 / 2 +
+/// g y, so the energy is the former. A swept body that is stopped on its way down has the speed of the whole tick, so
+/// the height that it did not fall through is subtracted.
 Sight Player::see(std::size_t i) const {
     const World& w = p.world;
     const BodyId body = p.bodies[i];
@@ -137,8 +138,8 @@ void Player::note(const std::vector<Sight>& before, const std::vector<Sight>& no
     note_held(before, now);
 }
 
-/// An object that goes at 1 m/s or more has to go: the way of a tick differs from that of its velocity by half of it in the tick of an impact
-/// and in the next one, whose contacts stop it.
+/// Detects objects that have a velocity of 1 m/s or more but do not move so: the motion of a tick may differ from the
+/// velocity by half of it only in the tick of an impact and in the next one, whose contacts stop it.
 void Player::note_held(const std::vector<Sight>& before, const std::vector<Sight>& now) {
     for (std::size_t i = 0; i < now.size(); ++i) {
         const double speed = length(now[i].velocity);
@@ -150,7 +151,7 @@ void Player::note_held(const std::vector<Sight>& before, const std::vector<Sight
     }
 }
 
-/// At rest: no point is faster than half of the sleep speed, by its velocity and by its way.
+/// At rest: no point is faster than half of the sleep speed, neither by its velocity nor by its motion.
 void Player::note_quiet(const std::vector<Sight>& before, const std::vector<Sight>& now, int tick) {
     const double slow = to_double(c.def.sleep_speed) / 2;
     bool is_quiet = true;
@@ -169,10 +170,11 @@ void Player::note_quiet(const std::vector<Sight>& before, const std::vector<Sigh
         out.asleep_at = static_cast<double>(tick) / c.def.tick_rate;
 }
 
-/// Rounding: each pass over a contact rounds the speeds of both bodies by half a step along each axis, for the normal, the friction and the
-/// twist; a substep has two passes. Angular momentum: the two points on which an impulse acts part by at most the way of a tick, and the
-/// impulse, with its friction, is at most twice the reduced mass times the speed of approach; free tumbling keeps all but a thousandth; roundings of
-/// speeds act on arms of the distance of the centres.
+/// Rounding: each pass over a contact rounds the speeds of both bodies by half a step along each axis, for the normal,
+/// the friction and the twist; a substep has two passes. Angular momentum: the two points of an impulse move apart by
+/// at most the motion of a tick, and the impulse, with its friction, is at most twice the reduced mass times the speed
+/// of approach. Free tumbling keeps all but a thousandth. The rounding of speeds acts on arms of the length of the
+/// distance of the centres.
 void Player::note_meeting(const std::vector<Sight>& now) {
     D3 momentum{}, spin{};
     double mass = 0, speed = 0, whole_spin = 0, inverse = 0, arm = 0;
@@ -205,7 +207,7 @@ void Player::do_wrong(int tick) {
     (void)p.world.set_pose(last, stuck_at);
 }
 
-/// Sleepers stay where they are; woken, they stay there as well.
+/// Sleeping bodies keep their places, also after they are woken.
 void Player::look_at_sleep() {
     if (wrong == Wrong::hung || wrong == Wrong::sunk) {
         for (const BodyId body : p.bodies) {
@@ -246,7 +248,7 @@ void Player::note_overlap() {
 
 Track Player::run() {
     start = see();
-    for (std::size_t i = 0; i < start.size(); ++i) // nothing is stopped yet
+    for (std::size_t i = 0; i < start.size(); ++i) // no body has been stopped yet
         start[i].energy += c.floor ? gravity * std::max(0.0, -start[i].velocity[1]) / c.def.tick_rate : 0;
     double highest = 0, fastest = 0;
     for (std::size_t i = 0; i < start.size(); ++i) {
@@ -256,8 +258,8 @@ Track Player::run() {
         out.parts[i].centre_least = start[i].centre[1], out.parts[i].top_least = start[i].highest;
         highest = std::max(highest, start[i].highest), fastest = std::max(fastest, start[i].fastest);
     }
-    // A load of a mass m' on a contact of a reduced mass m sinks in by m' / m g / (2 pi f)^2. A light body under a heavy one counts as a
-    // quarter of it, so m is a fifth of the load; otherwise m is half of it or more.
+    // A load of a mass m' sinks a contact of a reduced mass m by m' / m g / (2 pi f)^2. A light body under a heavy one
+    // counts as a quarter of it, so m is a fifth of the load; otherwise m is at least half of it.
     const double omega =
         2 * pi * std::min(to_double(c.def.contact_hertz), 3.0 / 16 * c.def.tick_rate * c.def.substeps);
     out.overlap_allowed = 0.001 + (masses.back() > masses[0] ? 5 : 2) * gravity / (omega * omega);

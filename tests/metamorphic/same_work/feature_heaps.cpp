@@ -1,5 +1,6 @@
-// Heaps whose bodies have what the solver treats apart: rolling resistance, restitution, locked axes, moving surfaces. Neither the width of lanes nor the
-// number of workers changes a bit of them. The sizes lie on both sides of those at which workers share bodies and packs.
+// Heaps whose bodies have features that the solver handles separately: rolling resistance, restitution, locked axes,
+// moving surfaces. Neither the width of lanes nor the number of workers changes a bit. The sizes lie on both sides of
+// those from which workers share bodies and packs.
 #include "support/rigs/feature_pit.h"
 
 #include <doctest/doctest.h>

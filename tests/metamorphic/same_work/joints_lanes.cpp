@@ -1,4 +1,5 @@
-// Joints in packs have the same bits in lanes of every width: every kind of joint; their inverses on hostile numbers too.
+// Packed joints have equal bits in lanes of every width, for every kind of joint; so have their inverses, for hostile
+// numbers too.
 #include "scenes/scenes.h"
 #include "solve/joints/pack/joint_point.h"
 #include "solve/kernels/kernels.h"
@@ -31,7 +32,7 @@ std::vector<std::uint64_t> hashes_of(const char* scene, std::uint32_t size, int 
     return hashes;
 }
 
-/// Rows of all sizes, some of which depend on each other; shares of all ratios of masses.
+/// Rows of all sizes; some are linearly dependent. Shares of all mass ratios.
 struct HostilePack {
     solve::JointPack pack{};
     solve::TurnPack turn{};
@@ -39,7 +40,7 @@ struct HostilePack {
 
     explicit HostilePack(std::uint64_t seed) : random(seed) {
         pack.count = solve::pack_lanes, pack.hinges = true;
-        const std::uint64_t stale = random() % 2 == 0 ? 7 : 2; // of eight: all or few of the lanes
+        const std::uint64_t stale = random() % 2 == 0 ? 7 : 2; // of eight lanes: nearly all or few
         for (std::uint32_t lane = 0; lane < solve::pack_lanes; ++lane) {
             pack.stale[lane] = random() % 8 < stale ? -1 : 0, turn.generic[lane] = random() % 8 == 0 ? -1 : 0;
             pack.one[lane] = static_cast<std::int32_t>(std::int64_t{1} << random() % 29);
@@ -62,7 +63,7 @@ struct HostilePack {
                 x[r][i][lane] = same && r > 0 ? x[0][i][lane] : random() % 2 == 0 ? size : -size;
             }
     }
-    /// Returns how many inverses the kernel left.
+    /// Returns the number of inverses that the kernel left to the scalar code.
     int invert_by(const solve::JointKernel& kernel) {
         const solve::JointPassData data{nullptr, &pack, &turn, nullptr, nullptr, nullptr,
                                         nullptr, 0,     0,     0,       0};
@@ -90,7 +91,7 @@ bool are_same(const solve::PackInverse& a, const solve::PackInverse& b) {
            std::ranges::equal(a.shift, b.shift) && std::ranges::equal(a.half, b.half) && a.odd == b.odd;
 }
 
-/// Four held bodies that have moved, turned and spin in all sizes, and where a kernel says they are.
+/// Four bodies with joints that have moved and turned and spin at all sizes, and the poses that a kernel computes.
 struct TurnedFour {
     std::vector<solve::SolverBody> bodies{solve::pack_lanes};
     solve::HeldBodies held{};
@@ -126,7 +127,7 @@ struct TurnedFour {
         return same(held.packed_at, o.held.packed_at) && same(held.alone_at, o.held.alone_at) &&
                same(turned, o.turned) && same(seen, o.seen);
     }
-    /// How far the rows of its matrices are from unit vectors at right angles, where theta tells the turn.
+    /// Returns how far the rows of the matrices are from an orthonormal basis, where theta describes the turn.
     double skew() const {
         double out = 0;
         for (std::uint32_t lane = 1; lane <= solve::pack_lanes; ++lane) {
@@ -145,7 +146,8 @@ struct TurnedFour {
 
 } // namespace
 
-// source: the error of three terms of the series for a turn of 1 / 16 rad about each axis is 4e-11; rounding adds some 2^-30.
+// source: the error of three terms of the series for a turn of 1 / 16 rad about each axis is 4e-11; rounding adds some
+// 2^-30.
 TEST_CASE("held bodies are turned by rotations, to the same bits in lanes of every width") {
     for (const Simd level : every_simd) {
         if (!has_simd(level)) continue;
@@ -162,7 +164,7 @@ TEST_CASE("held bodies are turned by rotations, to the same bits in lanes of eve
                 far += (seen & solve::seen_far) != 0, strayed += (seen & solve::seen_strays_far) != 0;
         }
         CHECK(skew < 8 * 0x1p-30);
-        CHECK(far > 5000); // all of these are tried
+        CHECK(far > 5000); // each of these cases occurs
         CHECK(far < 75000);
         CHECK(strayed > 5000);
     }
@@ -185,12 +187,12 @@ TEST_CASE("inverses of packed joints are those of plain integers in lanes of eve
                          : 1;
         }
         CHECK(other == 0);
-        CHECK(left > packs / 8);     // what is left is tried as well
-        CHECK(left < packs * 8 / 2); // and lanes do most
+        CHECK(left > packs / 8);     // the scalar code handles some
+        CHECK(left < packs * 8 / 2); // and the lanes handle most
     }
 }
 
-// The planks of the bridge turn fast enough to be followed: small changes of their velocities were forgotten by NEON once, from tick 43 on.
+// The planks of the bridge turn fast enough to be followed. NEON once lost small changes of their velocities.
 TEST_CASE(
     "every instruction set gives the bits of plain integers, with joints of every kind and on a bridge") {
     struct Case {

@@ -1,5 +1,6 @@
-// Heaps of bodies that some axes are locked of: which of them share a pack of contacts, and so the width of lanes and the number of workers, change no
-// bit. What a hit passes on to other contacts is held at the locks of all lanes of its pack.
+// Heaps of bodies with locked axes. The distribution of the bodies over packs of contacts, and so the width of lanes
+// and the number of workers, changes no bit. The impulse that a hit passes on to other contacts is stopped at the locks
+// of all lanes of its pack.
 #include "lockstone/math/random.h"
 #include "lockstone/tasks.h"
 #include "support/sim_scenes.h"
@@ -11,7 +12,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// Balls, boxes and capsules that fall on each other; each `step`th of them has locks.
+/// Balls, boxes and capsules that fall on each other. Each `step`th body has locks.
 World heap(int bodies, std::uint32_t locks, int step, std::uint64_t seed) {
     World w = made(World::create({}));
     add_floor(w);

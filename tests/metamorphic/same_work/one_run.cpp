@@ -1,4 +1,5 @@
-// Passes of contacts that are one run, and islands that do all of a tick's passes one after the other, give the bits of pass after pass.
+// Passes of contacts that are one run, and islands that run all passes of a tick in a row, give the bits of single
+// passes.
 #include "lockstone/testing.h"
 #include "support/task_worlds.h"
 
@@ -13,7 +14,7 @@ using namespace lockstone::test::scene;
 namespace {
 
 struct Phases final : PhaseObserver {
-    bool any_relaxing = false; ///< passes are done one by one
+    bool any_relaxing = false; ///< the passes are single phases
     void on_phase(const char* phase) override { any_relaxing |= std::string_view(phase) == "relax_contacts"; }
 };
 
@@ -27,7 +28,7 @@ TEST_CASE("islands that do all passes of a tick in a row end as those of which e
         Islands islands = towers(count), passes = towers(count), moved = towers(count);
         add_pendulum(passes.world), add_pendulum(moved.world);
         islands.world.set_tasks(tasks);
-        CHECK(first_difference(islands, passes, 10) == ""); // the first ones have no contacts
+        CHECK(first_difference(islands, passes, 10) == ""); // the first ticks have no contacts
         for (int t = 0; t < 10; ++t) moved.world.tick();
         Phases of_islands, of_passes;
         islands.world.observe_phases(&of_islands), passes.world.observe_phases(&of_passes);
@@ -35,7 +36,7 @@ TEST_CASE("islands that do all passes of a tick in a row end as those of which e
         CHECK_FALSE(of_islands.any_relaxing);
         CHECK(of_passes.any_relaxing);
         const Transform pose =
-            moved.world.pose(moved.bodies[100]); // twin: a crate is a step of the format aside
+            moved.world.pose(moved.bodies[100]); // negative control: a crate moves by a step of the format
         done(moved.world.set_pose(moved.bodies[100],
                                   {pose.position + Vec3{Real::from_raw(64), Real{}, Real{}}, pose.rotation}));
         for (int t = 0; t < 10; ++t) moved.world.tick();
@@ -60,7 +61,8 @@ TEST_CASE("a deep pile whose passes are one run on several workers ends as on on
     CHECK_FALSE(of_shared.any_relaxing);
 }
 
-// A lift that touches nothing has no contact, so it is in no strand. It stood still where all passes were one run, and where islands did all of theirs.
+// A lift without contacts is in no strand. It once stayed in place where all passes were one run, and where islands ran
+// all of their passes.
 TEST_CASE(
     "a lift that touches nothing moves and turns, whether passes are one by one, one run or by island") {
     const auto lifted = [](World world, Tasks* tasks, const char* path) {

@@ -1,4 +1,4 @@
-// Pairs of shapes in lanes: every instruction set gives the bits of one lane.
+// Pairs of shapes in lanes: every instruction set gives the bits of a single lane.
 #include "lockstone/math/math.h"
 #include "lockstone/math/random.h"
 #include "support/pair_lanes.h"
@@ -11,7 +11,7 @@ using namespace lockstone;
 
 namespace {
 
-/// Numbers of all sizes, the ends of their range among them.
+/// Numbers of all sizes, including the ends of their range.
 std::int64_t any64(Random& random, int bits) {
     const std::uint64_t word = std::uint64_t{random.next_u32()} << 32 | random.next_u32();
     const int drop = 63 - static_cast<int>(random.next_u32() % static_cast<std::uint32_t>(bits));
@@ -24,7 +24,7 @@ Quat any_rotation(Random& random) {
     return normalized(Quat{part(), part(), part(), Unit::from_raw(unit_one.raw / 2)});
 }
 
-/// Pairs as worlds have them and as they never will: ways of up to 2^63, speeds of up to 2^31.
+/// Pairs as worlds have them, and with values that no world has: displacements of up to 2^63, speeds of up to 2^31.
 struct Sample {
     static constexpr std::size_t count = 203; // no multiple of any lane width
 
@@ -57,7 +57,7 @@ struct Sample {
             point.separation.raw = any32(random);
         }
         solve::PairLane& lane = p.lane = {};
-        const bool near = random.next_u32() % 2 == 0; // to where it was when the manifold was made
+        const bool near = random.next_u32() % 2 == 0; // near the place where the manifold was made
         for (int i = 0; i < 3; ++i) {
             lane.way.v[i] = any64(random, near ? 40 : 63), lane.way.u[i] = any64(random, 63);
             lane.kept.u[i] = random.next_u32() % 2 == 0 ? 0 : any32(random);
@@ -95,7 +95,7 @@ struct Found {
     }
 };
 
-/// Empty where both have the same bits.
+/// Returns an empty string if both have equal bits.
 std::string differ(const Sample& sample, const Found& a, const Found& b) {
     for (std::size_t i = 0; i < Sample::count; ++i) {
         if (std::memcmp(&a.places[i], &b.places[i], sizeof a.places[i]) != 0)
@@ -128,7 +128,7 @@ TEST_CASE("pairs in lanes have the bits of one lane") {
             }
     }
     if (levels == 0) MESSAGE("this machine has no lanes: nothing was compared");
-    CHECK((levels == 0 || served > 1000 * levels)); // of 10,150 a level
+    CHECK((levels == 0 || served > 1000 * levels)); // of 10,150 for each level
 }
 
 TEST_CASE("planted: one step of one number of a pair is noticed") {

@@ -1,4 +1,4 @@
-// The names of execution paths: a world takes the paths that its size, its workers and its lanes choose, and other paths give the same bits.
+// The names of execution paths: size, workers and lanes of a world choose its paths, and all paths give equal bits.
 #include "lockstone/testing.h"
 #include "support/task_worlds.h"
 

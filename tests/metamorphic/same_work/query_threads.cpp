@@ -1,4 +1,4 @@
-// Several threads ask one world at once, and each gets the answers that one who asks alone gets.
+// Several threads query one world at once, and each gets the results that a single thread gets.
 #include "support/query_scene.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +10,8 @@ using namespace lockstone::test::query;
 
 namespace {
 
-/// What four threads that ask `w` at the same time are told, by thread. Each also hashes, saves and copies the world.
+/// The results of four threads that query `w` at the same time, by thread. Each thread also hashes, saves and copies
+/// the world.
 std::vector<Answers> ask_at_once(const World& w, const Assets& assets, int count) {
     std::vector<Answers> answers(4);
     std::vector<std::thread> threads;
@@ -35,7 +36,7 @@ TEST_CASE("four threads that ask a world at once are told what one alone is told
     World w = crowd(assets, 60);
     for (int round = 0; round < 6; ++round) {
         for (int t = 0; t < 5; ++t) w.tick();
-        const World other = w.clone(); // its caches are not made yet either
+        const World other = w.clone(); // its caches do not exist yet either
         const std::vector<Answers> at_once = ask_at_once(w, assets, samples(80, 400));
         for (std::size_t i = 0; i < at_once.size(); ++i) {
             Answers alone = ask(other, assets, i, samples(80, 400));

@@ -1,4 +1,5 @@
-// Nobody can tell from a world how many workers ran its ticks, which of them, or in which order.
+// The state of a world does not depend on the number of workers that ran its ticks, on their identity, or on their
+// order.
 #include "support/allocation_counter.h"
 #include "support/task_worlds.h"
 
@@ -12,7 +13,7 @@ using namespace lockstone::test;
 namespace {
 
 const bool is_long = std::getenv("LOCKSTONE_LONG") != nullptr;
-/// Of runs on one thread, and on several: pools larger than the machine are slow.
+/// Ticks of runs on one thread, and on several: pools larger than the machine are slow.
 const int tick_count = is_long ? 600 : 40, pool_ticks = is_long ? 200 : 3;
 
 } // namespace
@@ -53,7 +54,8 @@ TEST_CASE("every scene has the same hashes when its workers are interrupted at r
     }
 }
 
-// Passes are shared from some hundred contacts or joints on. Ragdolls come apart while they heap up, and are closed.
+// Workers share passes from some hundred contacts or joints on. Ragdolls in a heap come apart, and the solver closes
+// their joints.
 TEST_CASE("heaps, walls, ragdolls and nets that workers share have the same hashes") {
     const auto two = make_worker_pool(2), eight = make_worker_pool(8);
     ShuffledTasks shuffled(11, 2), many(12, 7);
@@ -67,8 +69,8 @@ TEST_CASE("heaps, walls, ragdolls and nets that workers share have the same hash
     CHECK(first_departure(start, tasks, is_long ? 60 : 8, [](World& w, Tasks*) { w.tick(); }) == "");
 }
 
-// A host that does strand after strand: a joint that does not wait for that of another strand is solved too early. Packs of joints that held
-// others with strands than without were seen here.
+// A host that runs one strand after the previous one has ended: a joint that does not wait for another strand's joint
+// is solved too early. This test once found packs with strands that held other joints than packs without.
 TEST_CASE("many joints are solved in order by a host that does one strand after the other") {
     ShuffledTasks pairs(3, 2), eights(4, 8);
     const World start = net(40);

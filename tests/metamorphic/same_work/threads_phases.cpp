@@ -1,5 +1,5 @@
-// Phases that the built-in scenes hardly share among workers: fast bodies by the hundred, vehicles on common ground,
-// trees of joints that hang on one moving body.
+// Phases that the built-in scenes hardly share among workers: hundreds of fast bodies, vehicles on common ground, trees
+// of joints that hang on one moving body.
 #include "support/task_worlds.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// Shot through a hall of thin walls and sweeping plates; every fifth is a bullet.
+/// Shots through a hall of thin walls and sweeping plates. Every fifth shot is a bullet.
 World volley(bool continuous = true) {
     WorldDef def = small_def();
     def.bodies_max = def.shapes_max = 256, def.contacts_max = 4096;
@@ -68,8 +68,8 @@ Motorcade motorcade(bool last_first = false) {
     return m;
 }
 
-/// Chains of six links: half of them on one kinematic beam that moves, half on the world; every third ends in a wheel
-/// that spins.
+/// Chains of six links: half of them on one moving kinematic beam, half on the world. Every third chain ends in a
+/// spinning wheel.
 World curtain() {
     WorldDef def = small_def();
     def.bodies_max = def.shapes_max = 256, def.joints_max = 256, def.contacts_max = 4096;
@@ -103,7 +103,7 @@ std::string departure(const World& start, std::span<Tasks* const> tasks, int tic
     return first_departure(start, tasks, ticks, [](World& w, Tasks*) { w.tick(); });
 }
 
-/// How many of twelve runs of tasks that leave an item out are noticed.
+/// Runs tasks that leave an item out, twelve times. Returns how many of these runs the test detects.
 int noticed(const World& start, int ticks) {
     FaultyTasks sound(FaultyTasks::Fault::leaves_out, ~std::uint64_t{0});
     REQUIRE(departure(start, std::array<Tasks*, 1>{&sound}, ticks) == "");

@@ -1,4 +1,5 @@
-// The assets of stories: hulls with few and many corners, ground of triangles, compounds; and those at the limits of every kind.
+// The assets of stories: hulls with few and many corners, ground of triangles, compounds, and assets at the limits of
+// every kind.
 #include "attack/worlds/values.h"
 #include "story.h"
 
@@ -6,7 +7,7 @@ namespace worlds {
 
 namespace {
 
-/// Corners near a sphere of `radius`, each at another distance.
+/// Corners near a sphere of `radius`, at different distances.
 AssetBytes rock(std::uint32_t corners, Real radius, std::uint64_t seed) {
     Random random = Random::seeded(seed);
     std::vector<LengthVec3> points;

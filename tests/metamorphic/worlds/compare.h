@@ -15,14 +15,14 @@ struct Course {
 Course run(const Story& story, const Mode& mode);
 
 struct Departure {
-    std::uint64_t tick; ///< the first after which the two differ
+    std::uint64_t tick; ///< the first tick after which the two differ
     std::string about;  ///< phase, column, row and field, or the output that differs
 };
-/// Empty when the mode gives the course. Runs the mode to its first difference, and both again to find its place.
-/// Adds the execution paths of the mode to `paths`.
+/// Compares a mode with the expected course. Returns nothing if they are equal. Runs the mode to its first difference,
+/// and both again to find the place of the difference. Adds the execution paths of the mode to `paths`.
 std::optional<Departure> departure(const Story& story, const Course& expected, const Mode& mode,
                                    testing::PathSet* paths = nullptr);
-/// The first tick after which a mode differs from the reference; nothing where it does not.
+/// Returns the first tick after which a mode differs from the reference, or nothing.
 std::optional<std::uint64_t> first_tick_apart(const Story& story, const Mode& mode);
 
 } // namespace worlds

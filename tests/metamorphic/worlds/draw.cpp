@@ -1,4 +1,4 @@
-// The definition of a world, the arrangement of its bodies and what else is in it at the start.
+// Draws the definition of a world, the arrangement of its bodies and all other objects at its start.
 #include "draw.h"
 
 #include "drawer.h"
@@ -9,7 +9,7 @@
 namespace worlds {
 
 void Drawer::choose_size() {
-    // Evenly over powers of two: thresholds lie at all scales.
+    // Uniform over powers of two, because thresholds lie at all scales.
     const std::uint32_t least = 5;
     std::uint32_t high = least;
     for (std::uint32_t doublings = v.below(10); doublings > 0; --doublings)
@@ -24,9 +24,9 @@ void Drawer::choose_size() {
     story.ticks = std::clamp(most.work / bodies, 5u, longest);
     activity = v.below(4);
     if (theme == Theme::islands && !v.chance(4)) activity = 0; // commands make contacts bounce or roll
-    // All overlap with all: that is slow.
+    // All bodies overlap: that is slow.
     if (arrangement == Arrangement::crowd && theme != Theme::crowd) bodies = std::min(bodies, 150u);
-    // The side of a square that `bodies` fill in one layer of a metre, or in several.
+    // The side of a square that `bodies` fill in one layer of a metre, or in several layers.
     std::uint32_t root = 1;
     while (root * root < bodies) ++root;
     const Real layers = arrangement == Arrangement::deep_pit ? 0.16_r
@@ -61,8 +61,8 @@ void Drawer::apply_theme() {
     }
 }
 
-/// Some passes are one run only where contacts alone change velocities. The features that `cannot_meet` leaves out of such passes are those here,
-/// but for joints' own.
+/// Some passes are one run only where contacts alone change velocities. This function drops the features that
+/// `cannot_meet` excludes from such passes, except for those of joints.
 void Drawer::keep_contacts_alone() {
     for (const Feature f :
          {Feature::joints, Feature::vehicles, Feature::ragdolls, Feature::fields, Feature::fluids,
@@ -77,7 +77,7 @@ void Drawer::choose_features() {
     for (std::uint32_t f = 0; f < feature_count; ++f)
         if (v.chance(of)) story.add(static_cast<Feature>(f));
     if (v.chance(4) || theme == Theme::islands) keep_contacts_alone();
-    // These change a world as a whole, so that fewer worlds have them.
+    // These features change a world as a whole, so fewer worlds have them.
     if (!v.chance(4) || theme != Theme::none) drop(Feature::wild);
     if (theme != Theme::none) drop(Feature::far_away);
     // A thousand bullets in a pile take seconds a tick.
@@ -140,7 +140,7 @@ Vec3 Drawer::place(std::uint32_t number) {
         return {x, 0.5_r + Real(n) / area * half(0.7_r), z};
     }
     case Arrangement::towers: {
-        // Four columns that touch are one tower in a world of islands: enough contacts for packs beyond a cache.
+        // Four touching columns form one tower in a world of islands: enough contacts for packs that exceed a cache.
         if (theme == Theme::islands) {
             const std::int32_t block = n / (4 * tower), wide = 32;
             return {Real(block % wide) * 2.2_r + Real(n % 2) * 0.8_r - Real(35),
@@ -208,7 +208,7 @@ void Drawer::add_joints() {
     }
 }
 
-/// Each body holds the next one in its row, and in its column: joints that follow one another along diagonals.
+/// Joins each body to the next one in its row and in its column, so that joints form chains along diagonals.
 void Drawer::add_net() {
     const auto columns = static_cast<std::uint32_t>(net_columns()), count = world.body_count();
     const std::uint32_t first = count - std::min(count, bodies);
@@ -230,8 +230,7 @@ void Drawer::add_vehicle() {
 
 void Drawer::add_character() {
     Vec3 at = vector(side);
-    if (is_stacked())
-        at.x = at.x - Real(300); // beside the towers: contacts of characters are none of contacts alone
+    if (is_stacked()) at.x = at.x - Real(300); // beside the towers, whose contacts have passes of their own
     const Result<CharacterId> made =
         world.create_character(attack::character_def(v, center + Vec3{at.x, Real(1), at.z}));
     if (!made) return;
@@ -265,7 +264,7 @@ void Drawer::fill() {
         for (std::uint32_t i = v.below(3); i > 0; --i) level.fields.push_back({field_def(), ++keys});
         if (assemble(world, level)) {
             story.start = level;
-            story.steps.clear(); // the start is in the level
+            story.steps.clear(); // the level contains the start
         }
     }
     if (!story.start)

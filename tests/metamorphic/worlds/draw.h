@@ -7,13 +7,12 @@ namespace worlds {
 
 /// Sizes of the worlds of a run.
 struct Extent {
-    std::uint32_t bodies_most =
-        700;                   ///< most worlds have far fewer: sizes are spread evenly over powers of two
-    std::uint32_t work = 5000; ///< bodies times ticks, about
-    bool has_large = true;     ///< one world in sixty has up to 5000 bodies
+    std::uint32_t bodies_most = 700; ///< most worlds have far fewer: sizes are uniform over powers of two
+    std::uint32_t work = 5000;       ///< bodies times ticks, about
+    bool has_large = true;           ///< one world in sixty has up to 5000 bodies
 };
 
-/// The story of a seed: the same on every machine. Beside it the hash after each tick, as a world of the default mode had it.
+/// The story of a seed, equal on every machine, and the hash after each tick in a world of the default mode.
 struct Drawn {
     Story story;
     std::vector<std::uint64_t> hashes;

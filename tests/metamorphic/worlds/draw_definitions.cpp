@@ -67,7 +67,7 @@ BodyDef Drawer::body_def(Vec3 at) {
         d.linear_damping = range(Real{}, Real(3)), d.angular_damping = range(Real{}, Real(3));
     if (is_now(Feature::gravity_scales, 4)) d.gravity_scale = range(Real(-1), Real(2));
     if (is_now(Feature::masses, 4)) d.mass = range(0.1_r, Real(200));
-    // Far beyond what a factor of a tree of joints has bits for.
+    // Far beyond the range of a factor of a tree of joints.
     if (is_now(Feature::masses, 16)) d.mass = v.chance(2) ? 0.001_r : Real(1000000000);
     if (is_now(Feature::fields, 8)) d.enable_fields = 0;
     if (is_now(Feature::fluids, 4)) d.drag_scale = range(Real{}, Real(3));

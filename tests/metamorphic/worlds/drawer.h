@@ -1,4 +1,4 @@
-// Draws one story while it plays it: what commands are possible depends on what is in the world.
+// Draws one story while it plays it, because the possible commands depend on the content of the world.
 #pragma once
 
 #include "attack/worlds/values.h"
@@ -10,13 +10,13 @@ namespace worlds {
 
 using attack::Values;
 
-/// How the bodies of a world lie at first. Each arrangement makes another shape of the graph of contacts.
+/// The initial arrangement of the bodies of a world. Each arrangement gives the graph of contacts another shape.
 enum class Arrangement : std::uint32_t {
     wide_pit, ///< many bodies side by side: short chains of contacts
     deep_pit, ///< long chains of contacts
     towers,   ///< islands that do not touch each other
     wall,     ///< rows of a wall
-    cloud,    ///< bodies in the air that meet
+    cloud,    ///< bodies that meet in the air
     crowd,    ///< all within a metre: each overlaps with many
     net,      ///< a grid whose neighbours joints hold, if there are joints
     count_,
@@ -89,7 +89,7 @@ class Drawer final : Journal {
     void come_and_go();
 
     BodyId body() { return world.body_at(v.below(world.body_count())); }
-    /// A body that the ground is not; null where there is none.
+    /// A random body that is not static; null if there is none.
     BodyId mover() {
         for (int i = 0; i < 4; ++i)
             if (const BodyId b = body(); world.kind(b) != BodyKind::static_) return b;

@@ -1,11 +1,12 @@
-// Stories that once had other bits in another execution mode. The program worlds found them and made them small.
+// Stories that once had other bits in another execution mode. The program `worlds` found and shrank them.
 #include "kept.h"
 
 namespace worlds {
 
 namespace {
 
-// A point that a contact lacks seems to close at the limit of speeds. Its lane got an impulse if another lane of the pack was busy.
+// A point that a contact lacks appears to close at the limit of speeds. Its lane got an impulse if another lane of the
+// pack was active.
 Story idle_lane() {
     Story s = kept(1);
     set(s.def.substeps, 1);
@@ -51,7 +52,7 @@ Story idle_lane() {
         set(c.def.local.rotation.z, 234508155);
         set(c.def.local.rotation.w, 22155521);
     });
-    // Two pairs of balls far away, so that lanes of two widths make other packs.
+    // Two pairs of distant balls, so that lanes of two widths form different packs.
     for (std::uint32_t i = 0; i < 4; ++i) {
         const std::uint32_t body = static_cast<std::uint32_t>(s.steps.size()) + 1;
         add<CreateBody>(s, 0, [&](auto& c) {
@@ -64,7 +65,8 @@ Story idle_lane() {
     return s;
 }
 
-// Bodies may move by 15 m in a tick. Beyond 8 m the gap of a contact of one point depended on whether its pack had contacts of several.
+// Bodies may move by 15 m in a tick. Beyond 8 m the gap of a contact of one point depended on whether its pack had
+// contacts of several points.
 Story far_motion() {
     Story s = kept(13);
     set(s.def.substeps, 3);
@@ -103,7 +105,8 @@ Story far_motion() {
     return s;
 }
 
-// Forty balls in one place, which workers solve as one run of passes, and a character. Nothing moved the character, since no contact has it.
+// Forty balls in one place, whose passes workers solve as one run, and a character. That run did not move the
+// character, because it has no contact.
 Story character_in_a_crowd() {
     Story s = kept(3);
     set(s.def.sleeping, 0);
@@ -115,8 +118,8 @@ Story character_in_a_crowd() {
     return s;
 }
 
-// A thin capsule that turns, in reach of another shape by the wider margin of its points, and not by its own. An axis that parts the two was kept
-// from the last tick, or not.
+// A thin capsule that turns, within the wider margin of its points of another shape, but not within its own margin. A
+// cached separating axis of the last tick existed in one mode and not in the other.
 Story plate_beyond_its_margin() {
     Story s = kept(2);
     set(s.def.sleeping, 0);

@@ -1,12 +1,15 @@
 // Random worlds in random execution modes: all give the bits of the reference mode.
 //
-//   worlds FIRST LAST [--modes N] [--bodies N] [--work N]    compares; on a difference shrinks the world and prints a program
-//          --coverage                                        prints in how many worlds each execution path was taken; fails where one never was
-//          --coverage --least N                              the same; fails where one was taken by fewer than N worlds, or never beside a
-//                                                            feature that it can meet
+//   worlds FIRST LAST [--modes N] [--bodies N] [--work N]    compares; on a difference shrinks the world and prints a
+//                                                            program
+//          --coverage                                        prints the number of worlds that took each execution
+//                                                            path; fails if no world took one
+//          --coverage --least N                              also fails if fewer than N worlds took a path, or if
+//                                                            none took it together with a feature that it can meet
 //   worlds --hashes FIRST LAST                               a line for each seed: seed, digest of its whole course
-//   worlds --planted FIRST LAST                              changes one velocity in one tick: each has to be found, and named
-//   worlds --about FIRST LAST                                a line for each seed: what the world has
+//   worlds --planted FIRST LAST                              changes one velocity in one tick: the run must find it
+//                                                            and name it
+//   worlds --about FIRST LAST                                a line for each seed: the features of the world
 #include "compare.h"
 #include "draw.h"
 #include "shrink.h"
@@ -35,7 +38,7 @@ std::string about(const Story& story) {
     return out;
 }
 
-/// Paths that no world can take beside some features, and why.
+/// Paths that no world can take together with some features, and the reason.
 struct Apart {
     const char* why;
     std::vector<std::string_view> paths;
@@ -60,7 +63,7 @@ const std::vector<Apart>& apart() {
     return all;
 }
 
-/// A factor of a tree of joints has 60 bits, and no chain of joints is known that needs more (docs/results).
+/// A factor of a tree of joints has 60 bits, and no known chain of joints needs more (docs/results).
 constexpr std::string_view never_taken = "tree_solved_in_passes";
 
 bool can_meet(std::string_view path, Feature feature) {
@@ -70,7 +73,7 @@ bool can_meet(std::string_view path, Feature feature) {
     });
 }
 
-/// In how many worlds a path was taken, and beside each feature.
+/// The number of worlds that took a path, in all and by feature.
 class Coverage {
   public:
     void add(const testing::PathSet& paths, const Story& story) {
@@ -81,8 +84,8 @@ class Coverage {
                 with[p][f] += story.has(static_cast<Feature>(f)) ? 1u : 0u;
         }
     }
-    /// A line for each path: worlds, its name, the features that no world had beside it and that it can meet. Returns how many paths fewer
-    /// than `least` worlds took; with `pairs`, also how many such features there are.
+    /// Prints a line for each path: worlds, its name, and the features that it can meet but that no world with it had.
+    /// Returns the number of paths that fewer than `least` worlds took; with `pairs`, it also counts these features.
     std::uint64_t print(std::uint64_t least, bool pairs) const {
         std::uint64_t missing = 0;
         const std::span<const std::string_view> names = testing::path_names();
@@ -140,7 +143,7 @@ bool holds(std::uint64_t seed, std::uint32_t modes, const Extent& extent, Covera
     return true;
 }
 
-/// Returns true if a changed velocity is found after its tick, and named.
+/// Returns true if the comparison finds a changed velocity after its tick, and names it.
 bool is_found(std::uint64_t seed, const Extent& extent) {
     const Story story = draw(seed, extent).story;
     const Course expected = run(story, reference_mode());
@@ -209,7 +212,7 @@ int main(int argc, char** argv) {
     if (what.empty())
         std::printf("%llu worlds, %llu differ\n", static_cast<unsigned long long>(worlds),
                     static_cast<unsigned long long>(differ));
-    // A path that no world took was not compared.
+    // The run has not compared a path that no world took.
     const std::uint64_t missing = shows_coverage ? coverage.print(std::max(least, 1u), least != 0) : 0;
     if (missing != 0)
         std::printf("%llu paths, or paths beside a feature, were taken by too few worlds\n",

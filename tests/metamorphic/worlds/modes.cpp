@@ -44,7 +44,7 @@ Mode draw_mode(Random& random) {
     m.simd = random.below(3) == 0 ? best_simd() : sets[random.below(static_cast<std::uint32_t>(sets.size()))];
     const std::uint32_t who = random.below(8);
     if (who >= 2) {
-        // A pool of more threads than the machine has is slow, so that most runs of many workers are of one thread.
+        // A pool of more threads than the machine has is slow, so most runs with many workers use one thread.
         constexpr std::uint32_t many[] = {2, 2, 3, 4, 8, 16, 64};
         m.runner = who == 2 ? Runner::pool : Runner::shuffled;
         m.workers = who == 2 ? 2 + random.below(2) : many[random.below(7)];

@@ -15,7 +15,7 @@
 
 namespace worlds {
 
-/// Ways in which a world is replaced by another one between ticks.
+/// Ways to replace a world by another one between ticks.
 enum Restore : std::uint32_t {
     rolls_back = 1,  ///< a ring image, some ticks later
     into_fresh = 2,  ///< the ring image of one world into a new one
@@ -24,7 +24,7 @@ enum Restore : std::uint32_t {
     from_clone = 16, ///< clone()
     all_restores = 31,
 };
-/// Memory outside of the state that changes before a tick.
+/// Memory outside of the state that the mode changes before a tick.
 enum Disturb : std::uint32_t { scratch = 1, trees = 2, pairs = 4, all_disturbs = 7 };
 
 enum class Runner : std::uint32_t { caller, shuffled, pool };
@@ -37,17 +37,17 @@ struct Mode {
     std::uint32_t disturbs = 0; ///< bits of Disturb
     bool observes = false;      ///< a phase observer and a journal are attached
     bool hashes_phases = false;
-    bool reserves = false;    ///< takes memory ahead
+    bool reserves = false;    ///< reserves memory
     bool queries = false;     ///< casts and overlaps between ticks
     bool other_order = false; ///< the start is assembled in another order
-    bool moves_state = false; ///< the state's block moves at every chance
+    bool moves_state = false; ///< the state's block moves whenever it may
     std::uint64_t seed = 0;
     std::uint64_t planted =
-        0; ///< of a planted fault: after this tick, counted from 1, one velocity changes by a step of its format
+        0; ///< planted fault: after this tick, counted from 1, one velocity changes by a step
 };
 std::string to_string(const Mode& mode);
 
-/// One worker, plain integers; what earlier ticks left behind is forgotten before each tick.
+/// One worker and plain integers. The data that earlier ticks left behind is dropped before each tick.
 Mode reference_mode();
 /// A random mode of this machine.
 Mode draw_mode(Random& random);

@@ -38,7 +38,8 @@ template <class T> bool are_equal(const T& a, const T& b) {
     }
 }
 
-/// Calls visit(path, node, usual node) for a value, then for its parts. If visit returns false, the parts of that node are skipped.
+/// Calls visit(path, node, usual node) for a value, then for its parts. If visit returns false, the parts of that node
+/// are skipped.
 template <class T, class Visit> void walk(const std::string& path, T& value, const T& usual, Visit& visit) {
     if (!visit(path, value, usual)) return;
     if constexpr (Leaf<T> || is_id<T>) {
@@ -57,7 +58,7 @@ template <class T, class Visit> void walk(const std::string& path, T& value, con
     }
 }
 
-/// Walks through a command and what a new one of its kind is.
+/// Walks through a command and a default command of its kind.
 template <class Visit> void walk_command(Command& command, Visit&& visit) {
     std::visit(
         [&]<class C>(C& c) {
@@ -72,7 +73,8 @@ template <class Visit> void walk_command(Command& command, Visit&& visit) {
         command);
 }
 
-/// Sets node `number` of a command to what it usually is. Returns false where there is no such node; `changed` says whether it differed.
+/// Resets node `number` of a command to its default. Returns false if there is no such node. Sets `changed` if the
+/// value differed.
 bool reset_node(Command& command, std::size_t number, bool& changed) {
     std::size_t at = 0;
     bool found = false;
@@ -108,7 +110,7 @@ class Shrinker {
     }
 
   private:
-    /// Keeps what fails: the story is cut to the ticks that show it.
+    /// Returns whether the story still fails. Cuts it to the ticks that show the failure, and keeps it.
     bool still_fails(const Story& story, const Mode& mode) {
         if (is_late()) return false;
         try {
@@ -120,7 +122,7 @@ class Shrinker {
         } catch (const std::exception&) { return false; }
     }
 
-    /// A minute is enough for most worlds. The bits of what is shrunk do not depend on it.
+    /// A minute is enough for most worlds. The bits of a shrunk story do not depend on the time.
     bool is_late() const { return std::chrono::steady_clock::now() - began > std::chrono::seconds(60); }
 
     void simplify_mode() {
@@ -135,7 +137,7 @@ class Shrinker {
         }
     }
 
-    /// The story without some steps; ids of the others name what they did.
+    /// The story without some steps. Ids of the removed steps' objects become empty.
     static Story without(const Story& story, std::size_t first, std::size_t last) {
         Story out = story;
         out.steps.clear();
@@ -149,7 +151,8 @@ class Shrinker {
                 if (id.index > first && id.index <= last) is_whole = false;
                 if (id.index > last) id.index -= removed;
             });
-            // A step that lost its object stays in the list, so that the numbers of the others are right; it names nothing.
+            // A step that lost its object stays in the list with empty ids, so that the numbers of the other steps
+            // remain right.
             if (!is_whole) for_each_id(step.command, [&](auto& id) { id = {}; });
             out.steps.push_back(std::move(step));
         }
@@ -167,7 +170,7 @@ class Shrinker {
     }
 
     void simplify_values() {
-        // First a value in all commands of a kind at once, then in each command alone.
+        // First resets a value in all commands of a kind at once, then in each command alone.
         for (std::size_t kind = 0; kind < std::variant_size_v<Command>; ++kind)
             try_nodes([&](std::size_t i) { return best.story.steps[i].command.index() == kind; });
         if (best.story.steps.size() <= 40)
@@ -222,7 +225,7 @@ const char* type_of(const Command& command) {
     return names[command.index()];
 }
 
-/// An assignment for each leaf that is not what it usually is.
+/// Collects an assignment for each leaf that differs from its default.
 class Assignments {
   public:
     template <class T> bool operator()(const std::string& path, T& node, const T& usual) {

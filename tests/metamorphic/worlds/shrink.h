@@ -1,4 +1,4 @@
-// Makes a failing world small, and writes it down as a test in C++.
+// Shrinks a failing world, and prints it as a test in C++.
 #pragma once
 
 #include "modes.h"
@@ -6,13 +6,13 @@
 namespace worlds {
 
 struct Shrunk {
-    Story story; ///< with symbolic ids where that was possible
+    Story story; ///< with symbolic ids if possible
     Mode mode;
-    std::uint64_t tick; ///< the first after which the mode differs
+    std::uint64_t tick; ///< the first tick after which the mode differs
 };
 /// Removes steps, features of the mode and values of commands while the mode still differs from the reference.
 Shrunk shrink(const Story& story, const Mode& mode);
-/// A doctest case that plays the story, ready to be kept.
+/// Returns a doctest case that plays the story.
 std::string program_of(const Shrunk& shrunk);
 
 } // namespace worlds

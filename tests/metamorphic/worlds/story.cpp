@@ -19,7 +19,7 @@ struct Mark {
 };
 template <class V> constexpr void describe(Mark& m, V&& v) { v("value", m.value), v("more", m.more); }
 
-/// Not by an exception: WebAssembly has none here.
+/// Ends the program. It throws no exception, because WebAssembly builds have none.
 [[noreturn]] void stop(const std::string& sentence) {
     std::fprintf(stderr, "a story cannot be played: %s\n", sentence.c_str());
     std::exit(3);
@@ -106,14 +106,14 @@ void Teller::apply(World& world, std::uint64_t tick) {
             is_whole = is_whole && id;
         });
         made[number] = {};
-        if (!is_whole) continue; // its object was never made
+        if (!is_whole) continue; // its object was never created
         if (const Result<World::Applied> result = world.apply(command)) made[number] = *result;
     }
 }
 
 Story symbolic(const Story& story) {
     if (story.is_symbolic) return story;
-    // A journal of a run has the commands that assemble() makes of the start too.
+    // The journal of a run also has the commands that assemble() applies at the start.
     struct Recorder final : Journal {
         void on_command(std::uint64_t tick, const Command& command) override {
             steps.push_back({tick, command});

@@ -1,4 +1,4 @@
-// A world as data: its definition, its start and every command with the tick before which it is applied. All execution modes play one story.
+// A world as data: its definition, its start and every command with its tick. All execution modes play one story.
 #pragma once
 
 #include "lockstone/assemble.h"
@@ -72,34 +72,36 @@ struct Story {
     std::vector<Step> steps;    ///< ascending by tick
     std::uint64_t ticks = 0;
     std::uint64_t features = 0; ///< bits of Feature
-    /// True: an id names the step that creates the object, index = step + 1. Then a story remains valid when steps are removed.
+    /// True: an id names the step that creates the object, index = step + 1. The story then remains valid when steps
+    /// are removed.
     bool is_symbolic = false;
 
     bool has(Feature f) const { return (features >> static_cast<std::uint32_t>(f) & 1) != 0; }
     void add(Feature f) { features |= std::uint64_t{1} << static_cast<std::uint32_t>(f); }
 };
 
-/// The columns that the stories' game has besides the engine's.
+/// The columns that the stories' game adds to the engine's.
 const GameSchema& story_schema();
-/// An empty world of a definition. Ends the program where the definition is refused.
+/// An empty world with this definition. Ends the program if the definition is refused.
 World story_world(const WorldDef& def);
 /// The assets that stories use: ordinary ones, and those at the limits of every kind. Made once.
 std::shared_ptr<const AssetLibrary> story_assets();
-/// The assets of a kind that have the size of furniture, or of the ground of a room. The last compound is a floor.
+/// The assets of a kind with the size of furniture, or of a room's ground. The last compound is a floor.
 std::vector<Geometry> ordinary_assets(ShapeKind kind);
 
 /// Calls visit(id) for each id of a command.
 template <class Visit> void for_each_id(Command& command, Visit&& visit);
 
-/// Plays the steps of a story into a world. The world may be replaced by another one in the same state at any time.
+/// Plays the steps of a story into a world. The caller may replace the world by another one in an equal state at any
+/// time.
 class Teller {
   public:
     explicit Teller(const Story& story) : told(story), made(story.is_symbolic ? story.steps.size() : 0) {}
-    /// A world at the start of the story. `order` other than 0: the start is assembled in another order.
+    /// A world at the start of the story. If `order` is not 0, the start is assembled in another order.
     World start(std::uint64_t order) const;
-    /// Applies the commands before tick `tick`, which has not run. Refused commands change nothing.
+    /// Applies the commands before tick `tick`, which must not have run. Refused commands change nothing.
     void apply(World& world, std::uint64_t tick);
-    /// Objects that the steps created, for a story whose ids are those of a world.
+    /// The objects that the steps created, for a story whose ids are those of a world.
     const std::vector<World::Applied>& applied() const { return made; }
     void keep_applied() { made.resize(told.steps.size()); }
 

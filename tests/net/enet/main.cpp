@@ -1,7 +1,7 @@
-// An example: a session over ENet, behind the same Transport interface. ENet has no encryption and no authentication (its own words), so this
-// is for networks that are trusted; what the example shows is that a session does not care who carries its packets.
+// An example: a session over ENet, behind the same Transport interface. ENet has no encryption and no authentication
+// (its own words), so use it in trusted networks only. The example shows that a session works over any transport.
 //
-//   net_enet            two machines on 127.0.0.1 play rollback-arena; exit status 0: every confirmed hash agrees
+//   net_enet            two machines on 127.0.0.1 play rollback-arena; exit status 0: all confirmed hashes are equal
 #include "net/net_player.h"
 
 #include <enet/enet.h>
@@ -13,7 +13,7 @@ using namespace lockstone;
 
 namespace {
 
-/// One link to one peer; packets go unsequenced: a session wants the newest, not the missing.
+/// One link to one peer. Packets are unsequenced, because a session needs the newest packet, not the missing ones.
 class EnetTransport final : public Transport {
   public:
     EnetTransport(PeerId self, std::uint16_t port) : peer_id(1 - self) {

@@ -1,10 +1,14 @@
 // net_peer: one machine of a match as a process, in real time.
 //
-//   net_peer --relay ADDRESS:PORT --key HEX [--code CODE] --ticks N   through a relay: opens a room for two and prints its code, or enters
-//   net_peer --tokens A:PORT B:PORT --slot N --seed HEX --ticks N     directly: both ends make the same tokens from a common seed
-//   ... --leak BYTES                                                  planted: lost in every frame
+//   net_peer --relay ADDRESS:PORT --key HEX [--code CODE] --ticks N
+//       plays through a relay: opens a room for two and prints its code, or enters the room of a code
+//   net_peer --tokens A:PORT B:PORT --slot N --seed HEX --ticks N
+//       plays directly: both peers make equal tokens from a common seed
+//   ... --leak BYTES
+//       planted: leaks these bytes in every frame
 //
-// Prints "playing" after a second of confirmed ticks, and "confirmed TICKS hash HASH" at the end: the hash of all confirmed hashes. Exit status 0: all ticks were confirmed.
+// Prints "playing" after a second of confirmed ticks, and "confirmed TICKS hash HASH" at the end: the hash of all
+// confirmed hashes. Exit status 0: all ticks were confirmed.
 #include "base/hash.h"
 #include "cli/match/clock.h"
 #include "net/net_player.h"
@@ -54,7 +58,7 @@ ConnectToken token_of_lobby(const Args& args) {
     return *client.token();
 }
 
-/// For tests alone: whoever knows the seed knows all secrets.
+/// For tests only: the seed determines all secrets.
 ConnectToken token_of_seed(const Args& args) {
     const NetKey seed = parse_key(args.after("--seed")).value();
     ConnectToken token;
@@ -90,7 +94,7 @@ int play(const Args& args, const ConnectToken& token) {
         player.frame(unix_ms(), ticks);
         if (!playing && player.hashes.size() >= 60)
             std::printf("playing\n"), std::fflush(stdout), playing = true;
-        if (player.hashes.size() >= ticks) ++after; // the other needs our last packets
+        if (player.hashes.size() >= ticks) ++after; // the other peer needs our last packets
         std::this_thread::sleep_until(begun + std::chrono::microseconds(frame * 1'000'000 / 60));
     }
     const NetStats& wire = transport.endpoint().stats();

@@ -1,4 +1,4 @@
-// The kept inputs of the fuzzer of those who are not in the match, and mutations of them.
+// The kept inputs of the fuzzer of machines outside the match, and mutations of these inputs.
 #include "fuzz/checks/guest_check.h"
 #include "fuzz/corpus.h"
 

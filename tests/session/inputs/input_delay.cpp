@@ -1,7 +1,8 @@
-// The input delay follows the way to the others, and rollbacks stay as short as was asked for.
+// The tuned input delay follows the latency between the machines, and rollbacks stay as short as the definition sets.
 //
-// Bounds: a way of 150 ms is 9 ticks at 60 Hz; 4 of them may be guessed, so the delay is 5, and one or two more where the round trip
-// is measured by frames (a packet waits for the next frame on either side, the answer too). 6 rollback ticks: 4 and those two.
+// Bounds: a latency of 150 ms is 9 ticks at 60 Hz. 4 of them may be predicted, so the delay is 5, and one or two more
+// because frames quantize the measured round trip (a packet waits for the next frame on each side, as does its answer).
+// Rollbacks: 6 ticks, which are the 4 and those two.
 #include "lockstone/session/input_delay.h"
 #include "session/match.h"
 
@@ -16,14 +17,14 @@ PeerQuality peer(std::uint32_t ping_ms, bool connected = true) {
     return {.connected = connected, .ping_ms = ping_ms};
 }
 
-/// What it comes to after a minute.
+/// The delay after a minute.
 std::uint32_t settled(InputDelayDef def, std::vector<PeerQuality> peers) {
     InputDelayTuner tuner(def);
     for (std::uint32_t i = 0; i < 60 * def.tick_rate; ++i) tuner.update(peers);
     return tuner.delay();
 }
 
-/// A match whose machines tune their delay, or do not. Rollback depths by frame, of machine 1.
+/// A match whose machines tune their delay if `tunes` is true. Stores the rollback depth of each frame of machine 1.
 struct Tuned {
     explicit Tuned(bool tunes) : is_on(tunes), match({.input_delay = 1, .prediction_max = 16}) {}
     void run(int frames, std::uint32_t way_ms) {
@@ -40,7 +41,7 @@ struct Tuned {
             depths.push_back(match.machine(1).session->stats().resimulated - before);
         }
     }
-    /// Of the frames since the last change of the way but the first 20 s, nine in ten roll back no more.
+    /// The 90th percentile of the rollback depths after the first 20 s [ticks].
     std::uint64_t depth() const {
         std::vector<std::uint64_t> late(depths.begin() + 1200, depths.end());
         std::ranges::sort(late);
@@ -59,14 +60,14 @@ TEST_CASE("the delay is the way less what may be guessed, within its limits") {
     CHECK(settled({}, {peer(100)}) == 1);
     CHECK(settled({}, {peer(200)}) == 2);                    // 6 ticks
     CHECK(settled({}, {peer(201)}) == 3);                    // rounded up
-    CHECK(settled({}, {peer(20), peer(300), peer(5)}) == 5); // the slowest one's
-    CHECK(settled({}, {peer(20), peer(300, false)}) == 1);   // is not there
+    CHECK(settled({}, {peer(20), peer(300), peer(5)}) == 5); // the slowest peer's
+    CHECK(settled({}, {peer(20), peer(300, false)}) == 1);   // that peer is absent
     CHECK(settled({}, {peer(100'000)}) == 8);
     CHECK(settled({.rollback_ticks = 0}, {peer(100)}) == 3);
-    CHECK(settled({.tick_rate = 120}, {peer(100)}) == 2); // 6 ticks of these
+    CHECK(settled({.tick_rate = 120}, {peer(100)}) == 2); // 6 ticks at this rate
     CHECK(settled({.least = 0}, {peer(0)}) == 0);
     CHECK(settled({}, {}) == 1);
-    CHECK(settled({.least = 99, .most = 77}, {peer(0)}) == input_delay_limit); // taken as the nearest
+    CHECK(settled({.least = 99, .most = 77}, {peer(0)}) == input_delay_limit); // clamped to the range
     CHECK(InputDelayTuner({.tick_rate = 0}).update({}) == 1);
 }
 
@@ -80,7 +81,7 @@ TEST_CASE("a way that only trembles moves nothing") {
     }
     CHECK(changes == 0);
     for (std::uint32_t i = 0; i < 660;
-         ++i) { // longer two times of three: a tick more in 90 frames, seven in 630
+         ++i) { // longer in two of three updates: a tick more in 90 frames, seven in 630
         const PeerQuality mostly[] = {peer(i % 3 == 0 ? 120u : 400u)};
         tuner.update(mostly);
     }

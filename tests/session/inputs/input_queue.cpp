@@ -1,4 +1,4 @@
-// The input queue: guesses, true inputs, and the first tick where they part.
+// The input queue: predictions, true inputs, and the first tick where the two differ.
 #include "session/inputs/input_queue.h"
 
 #include "session/arena.h"
@@ -50,7 +50,7 @@ TEST_CASE("a queue agrees with a list that keeps everything, over random use") {
     test::SplitMix random(3);
     InputQueue queue(0, 1);
     std::vector<unsigned> truth;                // by tick
-    std::vector<std::pair<unsigned, bool>> ran; // by tick: value, whether it was a guess
+    std::vector<std::pair<unsigned, bool>> ran; // by tick: value, and whether it was predicted
     for (int step = 0; step < 50'000; ++step) {
         if (random.below(2) == 0 && queue.room() > 0) {
             const unsigned value = random.below(3);
@@ -64,7 +64,7 @@ TEST_CASE("a queue agrees with a list that keeps everything, over random use") {
         }
         REQUIRE(queue.take_first_wrong() == wrong);
         const std::size_t end = std::max(ran.size(), truth.size() + random.below(10));
-        if (wrong != never) ran.resize(wrong); // as a rollback does: back, and up to the present again
+        if (wrong != never) ran.resize(wrong); // as a rollback does: ticks from `wrong` on run again
         while (ran.size() < end) {
             const PlayerInput used = queue.use(ran.size(), repeat_last_input());
             const bool guess = used.status == InputStatus::predicted;

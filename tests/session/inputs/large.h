@@ -6,8 +6,8 @@
 
 namespace lockstone::test {
 
-/// Plays ten seconds after two in which the machines connect. Returns a sentence where fewer than 58 ticks a second ran: a lost packet may
-/// hold up a tick, and a machine that leads waits for single frames.
+/// Plays two seconds in which the machines connect, then ten more. Returns a sentence if fewer than 58 ticks a second
+/// ran: a lost packet may delay a tick, and a machine that is ahead pauses for single frames.
 inline std::string keeps_up(MatchDef def) {
     def.input_delay = 3, def.prediction_max = 12;
     Match match(def);

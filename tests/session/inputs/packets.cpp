@@ -1,4 +1,4 @@
-// Packets: what is written is what is read, and no bytes from outside can break a session.
+// Packets: a decoder reads exactly the values that were encoded, and no bytes from outside can break a session.
 #include "session/match.h"
 #include "session/seal.h"
 
@@ -49,7 +49,7 @@ std::vector<std::byte> sample_packet(bool greeting = false, bool sealed = false)
     return {packet.begin(), packet.end()};
 }
 
-/// Changes, removes, doubles or appends bytes, or replaces all of them.
+/// Changes, removes, duplicates or appends bytes, or replaces all of them.
 void mutate(std::vector<std::byte>& packet, test::SplitMix& random) {
     const std::uint32_t changes = 1 + random.below(4);
     for (std::uint32_t i = 0; i < changes && !packet.empty(); ++i) {
@@ -81,7 +81,7 @@ void mutate(std::vector<std::byte>& packet, test::SplitMix& random) {
     }
 }
 
-/// A transport whose packets the test writes.
+/// A transport whose packets come from the test.
 class Mailbox final : public Transport {
   public:
     void send(PeerId, std::span<const std::byte> bytes) override { sent.assign(bytes.begin(), bytes.end()); }
@@ -155,15 +155,16 @@ TEST_CASE("the bytes of a packet are those of the specification") {
         message.greeting = message.heard = greeting;
         writer.begin({0xaabbccdd, 2, 1}, {.players = 1, .sealed = sealed}, message);
         writer.add_inputs(
-            0x01020305, 3, 0, std::array{std::byte{0x70}}, // less 3, the same, 9 more
+            0x01020305, 3, 0, std::array{std::byte{0x70}}, // less 3, no change, 9 more
             [](std::uint64_t tick) { return std::array{std::byte(tick < 0x01020307 ? 0x6d : 0x76)}; });
         const auto packet = writer.finish();
         std::vector<unsigned> out;
         for (const std::byte b : packet) out.push_back(std::to_integer<unsigned>(b));
         return out;
     };
-    // Acknowledged 4 less than the tick: 7; hash 6 less: 11; three inputs from 1 more: 2.
-    // Bits of the inputs, in order: 1 1 0, mask 1, short 0 with 5 (-3) as 1 0 1 0; 0; 1 0, long 1 with 9 as 1 0 0 1 0 0 0 0.
+    // The acknowledged tick is 4 less than the tick: 7. The hash is 6 less: 11. Three inputs from 1 more: 2.
+    // Bits of the inputs, in order: 1 1 0, mask 1, short 0 with 5 (-3) as 1 0 1 0; 0; 1 0, long 1 with 9 as 1 0 0 1 0 0
+    // 0 0.
     const std::vector<unsigned> body{7, 11, 0xd4, 0xc3, 0xb2, 0xa1, 3, 2, 0xab, 0x34, 0x01};
     std::vector<unsigned> brief{0x81, 0x05, 0x00, 0x04, 0x03};
     brief.insert(brief.end(), body.begin(), body.end());
@@ -266,18 +267,17 @@ TEST_CASE("a sealed packet with a wrong field is refused for what is wrong") {
     constexpr std::size_t quality_at = hash_count_at + 1 + 1 + 12;
     constexpr std::size_t departures_at = quality_at + 1 + 1 + 2 + 1 + 2;
     constexpr std::size_t block_at = departures_at + 6 + 4 + 2; // of two players: since when
-    CHECK(refused(0, 0x9f) == PacketFault::malformed);          // a flag that means nothing
-    CHECK(refused(5, 0xff) == PacketFault::malformed);          // acknowledges a tick before the first
+    CHECK(refused(0, 0x9f) == PacketFault::malformed);          // a flag without a meaning
+    CHECK(refused(5, 0xff) == PacketFault::malformed);          // acknowledges a tick before tick 0
     CHECK(refused(hash_count_at, 0) == PacketFault::malformed);
     CHECK(refused(hash_count_at, 2) == PacketFault::malformed); // has a shorter form
     CHECK(refused(hash_count_at, 17) == PacketFault::malformed);
     CHECK(refused(departures_at, 0x10) == PacketFault::malformed);     // player 4 of 4 is unwanted
     CHECK(refused(departures_at + 2, 0x18) == PacketFault::malformed); // or gone
-    CHECK(refused(departures_at + 4, 0x0c) == PacketFault::malformed); // player 2 has a cut, and is here
-    CHECK(refused(block_at, 5) == PacketFault::malformed);             // the rest of the code follows
+    CHECK(refused(departures_at + 4, 0x0c) == PacketFault::malformed); // player 2 has a cut, and is present
+    CHECK(refused(block_at, 5) == PacketFault::malformed);             // the code holds more inputs than 5
     CHECK(refused(block_at, 0) == PacketFault::malformed);
-    CHECK(refused(block_at + 2, 0xff) ==
-          PacketFault::malformed); // a change of all bytes by less than there are
+    CHECK(refused(block_at + 2, 0xff) == PacketFault::malformed); // a change of all bytes, with too few bytes
     CHECK(refused(block_at + 9, 0xf0) == PacketFault::malformed); // bits after the last
 }
 
@@ -295,7 +295,7 @@ TEST_CASE("inputs of any size and movement come out as they went in, and never t
                         kind == 3 ? random.next() : std::to_integer<std::uint32_t>(b) + random.below(19) - 9);
                 }
             }
-            std::vector<std::byte> code(3, std::byte{0xff}); // what stands before is left alone
+            std::vector<std::byte> code(3, std::byte{0xff}); // the encoder must keep earlier bytes
             InputEncoder encoder(code, inputs[0]);
             for (const std::vector<std::byte>& input : inputs) REQUIRE(encoder.add(input, 7000));
             CHECK(code.size() - 3 <= (100 * input_bits_max(size) + 7) / 8);
@@ -319,20 +319,21 @@ TEST_CASE("a code of inputs that has another form, or an end that is not zeros, 
         return decoder.ok();
     };
     CHECK(ok({0b00000}, 5));
-    CHECK_FALSE(ok({0b100000}, 5)); // a bit after the last
-    CHECK_FALSE(ok({}, 1));         // nothing
-    CHECK_FALSE(ok({0b01}, 1));     // the same bytes as at the last change, of which there is none
-    CHECK_FALSE(ok({0b00011}, 1));  // a change of no byte
-    CHECK(ok({0b0'01'011, 0}, 1));  // byte 0 by -8
-    CHECK_FALSE(ok({0b1'01'011 | 0x40, 0}, 1)); // the same in 8 bits: by 1
-    CHECK_FALSE(ok({0b111, 0, 0}, 1));          // all bytes, by nothing
+    CHECK_FALSE(ok({0b100000}, 5));             // a bit after the last
+    CHECK_FALSE(ok({}, 1));                     // no bits at all
+    CHECK_FALSE(ok({0b01}, 1));                 // repeats the last change, without one
+    CHECK_FALSE(ok({0b00011}, 1));              // a change of no byte
+    CHECK(ok({0b0'01'011, 0}, 1));              // byte 0 by -8
+    CHECK_FALSE(ok({0b1'01'011 | 0x40, 0}, 1)); // the same change in 8 bits: by 1
+    CHECK_FALSE(ok({0b111, 0, 0}, 1));          // a change of all bytes, by zero
     CHECK(ok({0b1111, 0, 0}, 1));
 }
 
 TEST_CASE("a hostile peer can send what it likes: the session drops it, counts it and goes on") {
     std::array<std::uint64_t, packet_fault_count> dropped{};
     std::uint64_t ticks = 0, received = 0;
-    for (std::uint64_t seed = 1; seed <= 100; ++seed) { // short: an accepted lie may stall a match for good
+    // short: an accepted lie may stall a match permanently
+    for (std::uint64_t seed = 1; seed <= 100; ++seed) {
         test::SplitMix random(seed);
         Mailbox mailbox_0, mailbox_1;
         SessionDef def;
@@ -341,7 +342,8 @@ TEST_CASE("a hostile peer can send what it likes: the session drops it, counts i
         const std::uint32_t match = packet_context(def).match;
         const auto session = make_rollback_session(def, mailbox_0).value();
         def.self = 1;
-        const auto hostile = make_rollback_session(def, mailbox_1).value(); // lends its honest packets
+        // the mutations start from its honest packets
+        const auto hostile = make_rollback_session(def, mailbox_1).value();
         mailbox_1.from = 0;
         Arena arena(3), other(3);
         SessionRunner runner(*session, arena), honest(*hostile, other);
@@ -352,12 +354,12 @@ TEST_CASE("a hostile peer can send what it likes: the session drops it, counts i
             hostile->add_local_input(2, encode_input(scripted_pad(2, hostile->current_tick())));
             honest.frame(now);
             mailbox_0.from = random.below(50) == 0 ? 5 : 1;
-            if (now == 0) greeting = mailbox_1.sent; // later ones are short
+            if (now == 0) greeting = mailbox_1.sent; // later packets have the short form
             for (int i = 0; i < 4; ++i) {
                 std::vector<std::byte>& packet =
                     mailbox_0.waiting.emplace_back(i == 0 ? greeting : mailbox_1.sent);
                 mutate(packet, random);
-                // Rarely a farewell: it is believed, and the rest of the match would be refused.
+                // A farewell is rare: the session accepts it, and then refuses all further packets of the match.
                 const bool is_short = !packet.empty() && (packet[0] & std::byte{128}) != std::byte{0};
                 if (packet.size() > 3 && random.below(500) != 0) packet[is_short ? 0 : 3] &= std::byte{0x97};
                 if (random.below(8) != 0) test::seal(packet, match);
@@ -407,13 +409,14 @@ TEST_CASE("claims that the sender cannot make are refused whole") {
         return count == before + 1;
     };
     const auto nothing = [](Message&) {};
-    CHECK(implausible([](Message& m) { m.next_input[0] = 1; }, 0)); // has an input we did not send
-    CHECK(implausible([](Message& m) { m.next_hash = 1; }, 0));     // has a hash we did not send
+    CHECK(implausible([](Message& m) { m.next_input[0] = 1; }, 0)); // has an input that we did not send
+    CHECK(implausible([](Message& m) { m.next_hash = 1; }, 0));     // has a hash that we did not send
     CHECK(implausible([](Message& m) { m.hash_count = 1; }, 0));    // confirmed a tick without our input
-    CHECK(implausible(nothing, 257));                               // a gap in its inputs, wider than is kept
-    CHECK(implausible([](Message& m) { m.greeting = false; }, 0));  // speaks before it has greeted
+    // a gap in its inputs, wider than the queue
+    CHECK(implausible(nothing, 257));
+    CHECK(implausible([](Message& m) { m.greeting = false; }, 0)); // a packet before the greeting
     CHECK(session->advance().stall == Stall::connecting);
-    CHECK_FALSE(implausible(nothing, 256)); // a gap: the first ones may be on their way
+    CHECK_FALSE(implausible(nothing, 256)); // a gap: the first inputs may be under way
     CHECK(session->advance().stall == Stall::local_input_missing);
     CHECK_FALSE(implausible(nothing, 0));
     CHECK_FALSE(implausible([](Message& m) { m.greeting = false; }, 2));

@@ -1,4 +1,5 @@
-// Coming back and coming late: a machine without any state takes its seat, at a tick that all agree on, and the match is one.
+// Joins again and late: a machine without a state takes its seat at a tick that all agree on, and all machines hold one
+// match.
 #include "session/match.h"
 
 #include <doctest/doctest.h>
@@ -18,11 +19,11 @@ MatchDef of_machines(std::uint32_t count, bool lockstep, std::uint64_t seed) {
     return def;
 }
 
-/// All machines hold one match, in which the player's inputs count again from one tick on.
+/// Checks that all machines hold one match, in which the inputs of player `who` count again from one tick on.
 void check_joined(Match& match, PeerId who, std::size_t times = 1) {
     std::vector<std::uint64_t> ticks;
     const PeerId witness = who == 0 ? 1 : 0;
-    for (PeerId i = 1; i <= match.def.machines; ++i) { // who came is the last
+    for (PeerId i = 1; i <= match.def.machines; ++i) { // the machine that joined comes last
         const PeerId id = (who + i) % match.def.machines;
         CAPTURE(id);
         Match::Machine& m = match.machine(id);
@@ -70,7 +71,8 @@ TEST_CASE("a machine that has lost all its state comes back into its seat") {
         match.run(300);
         const PeerId who = static_cast<PeerId>(seed % match.def.machines);
         match.crash(who);
-        match.run(seed % 2 == 0 ? 30 : 300); // while the others still wait for it, or after they have gone on
+        // while the others still wait for it, or after they have continued
+        match.run(seed % 2 == 0 ? 30 : 300);
         match.join(who);
         match.run(1200);
         check_joined(match, who);
@@ -103,7 +105,7 @@ TEST_CASE("it may fail and come back again and again, and each tick is agreed on
         match.crash(1);
         match.run(100);
         match.join(1, life);
-        match.run(1500); // beyond the time that it has to be there to be let in at once
+        match.run(1500); // longer than the time in which it would be admitted at once
     }
     check_joined(match, 1, 3);
 }
@@ -111,7 +113,7 @@ TEST_CASE("it may fail and come back again and again, and each tick is agreed on
 TEST_CASE("a machine that only slept goes on with what it has, when it is back before it was dropped") {
     Match match(of_machines(2, false, 5));
     match.run(200);
-    for (int i = 0; i < 50; ++i) match.frame(/*asleep: machine 1*/ 2); // 0.8 s of 1 s, six windows of guesses
+    for (int i = 0; i < 50; ++i) match.frame(/*asleep: machine 1*/ 2); // 0.8 s of 1 s, six prediction windows
     match.run(300);
     CHECK(match.agree(0, 1));
     CHECK(match.notices<PlayerDisconnected>(0).empty());

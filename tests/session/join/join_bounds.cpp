@@ -1,4 +1,4 @@
-// Bounds of the logs and states that hosts keep for machines that join, and of the packets, memory and time of a machine that joins.
+// Bounds of the logs and states that hosts keep for joining machines, and of the packets, memory and time of a join.
 #include "session/join/relayed.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@ using namespace lockstone::test;
 
 namespace {
 
-constexpr std::uint64_t two_minutes = 7200; ///< [ticks], as long as a log is, and a state is kept
+constexpr std::uint64_t two_minutes = 7200; ///< [ticks], the time for which logs and states are kept
 
 SessionDef two_players() {
     SessionDef def;
@@ -21,7 +21,7 @@ SessionDef two_players() {
 }
 std::uint32_t match_of_two() { return session::packet_context(two_players()).match; }
 
-/// Keeps what is sent, and hands out what is put in.
+/// Stores sent packets, and returns the packets that the test puts in.
 struct Desk final : Transport {
     std::vector<std::vector<std::byte>> sent;
     std::deque<std::pair<PeerId, std::vector<std::byte>>> in;
@@ -44,7 +44,7 @@ struct Desk final : Transport {
     }
 };
 
-/// The log of a player's machine; it sends each tick to one listener.
+/// The log of a player's machine. It sends each tick to one listener.
 struct Log {
     session::TimelineHost host{two_players(),
                                {.log_ticks_max = two_minutes,
@@ -66,7 +66,7 @@ struct Log {
     std::uint64_t ticks() const { return host.log_end() - host.log_begin(); }
 };
 
-/// A machine that begins at a state, and hosts that do what the test says.
+/// A machine that begins at a state, and hosts that the test controls.
 struct Newcomer {
     Desk desk;
     std::unique_ptr<Session> session;
@@ -99,14 +99,14 @@ TEST_CASE("the newest ticks are kept while somebody listens, and all that somebo
         if (tick >= 512) REQUIRE(level.ticks() >= 256);
         REQUIRE(level.ticks() <= two_minutes);
     }
-    Log behind; // tick 600 is lacking until the log is eight times as long as otherwise
+    Log behind; // the listener lacks tick 600 until the log has eight times its usual length
     for (std::uint64_t tick = 0; tick < 9 * two_minutes; ++tick) {
         behind.add(std::min<std::uint64_t>(tick, 600));
         if (tick < 8 * two_minutes) REQUIRE(behind.host.log_begin() <= 600);
         REQUIRE(behind.ticks() <= 8 * two_minutes);
     }
     REQUIRE(behind.host.log_begin() > 600);
-    std::optional<session::Stretch> told; // where the log begins
+    std::optional<session::Stretch> told; // an answer that says where the log begins
     for (int polls = 0; polls < 20 && !told; ++polls) {
         behind.add(600);
         for (const auto& packet : behind.desk.sent)
@@ -162,7 +162,7 @@ TEST_CASE("what a state claims to be costs nothing before its chunks are here") 
     CHECK(assembly.image().empty());
     session::Chunk chunk;
     state.chunk(65, chunk);
-    CHECK_FALSE(assembly.take(chunk)); // beyond what a wish can tell of
+    CHECK_FALSE(assembly.take(chunk)); // beyond the range of a request
     state.chunk(64, chunk);
     CHECK(assembly.take(chunk));
     CHECK(assembly.image().size() == 65 * session::chunk_bytes);
@@ -176,7 +176,7 @@ TEST_CASE("a host that offers one state after the other, or tells hardly anythin
     }
     CHECK(guest.refusals() == 1);
 
-    Newcomer patient({0, 1}); // a chunk in 200 polls: in time by each, but not by all
+    Newcomer patient({0, 1}); // a chunk every 200 polls: in time by each chunk, too slow by the whole state
     const session::Snapshot state(500, 9, std::vector<std::byte>(100 * session::chunk_bytes, std::byte{1}));
     session::Chunk chunk;
     for (std::uint32_t poll = 0; poll < 600 + 8 * 5; ++poll) {

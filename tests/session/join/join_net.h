@@ -1,4 +1,4 @@
-// A match that others watch from a recent state on, each machine of which is a host to them.
+// A match in which every machine is a host for spectators, which begin with a recent state.
 #pragma once
 
 #include "lockstone/session/spectator.h"
@@ -9,7 +9,7 @@
 
 namespace lockstone::test {
 
-/// Shows a host what a machine has confirmed since tick `shown`; `lie(tick)` may give another hash.
+/// Gives a host all ticks that a machine has confirmed since tick `shown`. `lie(tick)` may return another hash.
 template <class Lie>
 void show_ticks(SpectatorHost& host, const Timeline& played, std::size_t players, std::size_t& shown,
                 Lie&& lie) {
@@ -46,7 +46,7 @@ class JoinNet {
             return found;
         }
     };
-    /// Shows what a machine held, but for what `lie` makes of it.
+    /// Returns the states that a machine held, changed by `lie`.
     struct Shown final : StateInspector {
         JoinNet& net;
         PeerId from;
@@ -97,7 +97,7 @@ class JoinNet {
         }
     }
     SpectatorHost& host(PeerId id) { return *hosts[id]; }
-    /// How many ticks the guest is behind; `never` where it has seen another match.
+    /// Returns how many ticks the guest is behind; `never` if it has seen another match.
     std::uint64_t behind(const Guest& g) const {
         const Timeline& played = match.machines[0]->timeline;
         if (!g.timeline.agrees(played) || g.timeline.end() > played.end()) return ~std::uint64_t{0};
@@ -117,7 +117,8 @@ class JoinNet {
     }
     void show(PeerId id) {
         show_ticks(*hosts[id], match.machine(id).timeline, machines, shown[id], [&](std::uint64_t tick) {
-            const State* state = lie ? states[id]->state_after(tick) : nullptr; // it repeats its lie
+            const State* state =
+                lie ? states[id]->state_after(tick) : nullptr; // the inspector repeats its lie
             return state != nullptr ? std::optional(state->hash()) : std::nullopt;
         });
     }

@@ -1,4 +1,4 @@
-// The scenes that the planted faults of joining and of relays are run against, without a fault.
+// The scenes of joining and of relays, run without a fault. The planted faults run the same scenes.
 #include "session/join/join_scenes.h"
 #include "session/join/relayed_scenes.h"
 #include "support/effort.h"

@@ -1,4 +1,5 @@
-// Machines that come back and states that lie, each with what must come of it. One list for the tests and for the planted faults.
+// Machines that come back and states that lie, each with the expected outcome. The tests and the planted faults use
+// this list.
 #pragma once
 
 #include "session/hostile_scenes.h"
@@ -8,7 +9,8 @@ namespace lockstone::test {
 
 namespace joins {
 
-/// One of the machines loses its state, and comes back while the others wait for it or after that. What went wrong, or nothing.
+/// One machine loses its state, and comes back while the others wait for it or after that. Returns an error sentence or
+/// an empty string.
 inline std::string comes_back(std::uint32_t machines, std::uint64_t seed, std::uint64_t frames_away) {
     MatchDef def{.machines = machines,
                  .disconnect_ms = 1000,
@@ -35,8 +37,9 @@ inline std::string comes_back(std::uint32_t machines, std::uint64_t seed, std::u
     return match.machine(0).timeline.end() > 900 ? "" : "the match was held up";
 }
 
-/// Machine 0, which all ask first, goes so many frames after the last machine has begun to come late (before it, where that is negative), and
-/// comes back itself at the end. Nobody else stops, and one after the other both are in.
+/// All machines send machine 0 their requests first. It crashes so many frames after the last machine has begun to join
+/// late (before, where the number is negative), and joins again at the end. No other machine stops, and both joins
+/// succeed.
 inline std::string first_goes(std::uint32_t machines, int frames_after) {
     MatchDef def{.machines = machines,
                  .disconnect_ms = 1000,
@@ -50,7 +53,7 @@ inline std::string first_goes(std::uint32_t machines, int frames_after) {
     match.join(late);
     if (frames_after >= 0) match.run(static_cast<std::uint64_t>(frames_after)), match.crash(0);
     match.run(900);
-    if (!match.notices<MatchStopped>(late).empty()) { // let in by machine 0 and gone with it: it comes again
+    if (!match.notices<MatchStopped>(late).empty()) { // machine 0 admitted it and crashed: it joins again
         match.crash(late), match.join(late, 2);
         match.run(900);
     }
@@ -76,8 +79,9 @@ inline std::string first_goes(std::uint32_t machines, int frames_after) {
     return match.machine(1).timeline.end() > before + 600 ? "" : "the match was held up when it came back";
 }
 
-/// Machine 2 of four goes before it has heard of machine 3, which comes late. One of the others misses it first and lets machine 3 in before the
-/// departure is settled, the other one after that. Machine 3 is told by machine 1: where that one is the other, that machine 2 has left.
+/// Machine 2 of four crashes before it has heard of machine 3, which joins late. One of machines 0 and 1 misses machine
+/// 2 first and admits machine 3 before the departure is settled; the second machine admits it after that. Machine 3
+/// gets its seat from machine 1. If machine 1 is the second one, the seat says that machine 2 has left.
 inline std::string another_goes(PeerId misses_it_first) {
     MatchDef def{.machines = 4, .disconnect_ms = 1000, .link = {.latency_ms = 30}, .absent = 1u << 3};
     Match match(def);
@@ -101,8 +105,9 @@ inline std::string another_goes(PeerId misses_it_first) {
     return "";
 }
 
-/// Machine 3 of four comes late and hears nothing of machine 2 from there on. The others go on with its first 30 inputs as far as the stall
-/// lets them. When machine 2 is dropped its inputs end where machine 3 came in: all of that is run again, and no more.
+/// Machine 3 of four joins late and receives nothing from machine 2 from then on. The others advance with its first 30
+/// inputs up to the limit of predictions. When they drop machine 2, its inputs end at the tick where machine 3 joined:
+/// exactly those ticks run again.
 inline std::string leaves_unheard() {
     MatchDef def{.machines = 4, .disconnect_ms = 1000, .link = {.latency_ms = 20}, .absent = 1u << 3};
     const std::uint64_t bound = 2 * def.prediction_max + 8;
@@ -127,9 +132,9 @@ inline std::string leaves_unheard() {
     return match.machine(0).timeline.end() > 700 ? "" : "the match was held up";
 }
 
-/// The last of so many machines comes late. When machine `gone` has settled its seat, or all but two have, the machines before that one go: they
-/// have said that they are ready, and their word of the seat does not come through. Who came is waited for from then on, as long as for those which
-/// have gone: it is in nevertheless, at once and for good.
+/// The last of so many machines joins late. When machine `gone` has settled the seat, the machines before it crash:
+/// they have sent that they are ready, but not that they settled the seat. From then on the others wait for the joined
+/// machine as long as for the crashed ones. The join nevertheless succeeds at once and permanently.
 inline std::string goes_when_settled(std::uint32_t machines, std::uint32_t gone) {
     MatchDef def{.machines = machines,
                  .disconnect_ms = 1000,
@@ -137,7 +142,7 @@ inline std::string goes_when_settled(std::uint32_t machines, std::uint32_t gone)
                  .absent = 1u << (machines - 1)};
     const PeerId late = machines - 1;
     Match match(def);
-    for (PeerId id = 0; id < gone; ++id) // hears last that the others are ready
+    for (PeerId id = 0; id < gone; ++id) // these machines are the last to hear that the others are ready
         for (PeerId from = gone; from < late; ++from) match.network.set_link(from, id, {.latency_ms = 60});
     match.run(300);
     match.join(late);
@@ -159,7 +164,8 @@ inline std::string goes_when_settled(std::uint32_t machines, std::uint32_t gone)
                : "the inputs of who came late do not count";
 }
 
-/// Both others go when they have let machine 2 in, before a tick was confirmed with it: it does not go on alone.
+/// Both others crash after they have admitted machine 2, before a tick was confirmed with it. Machine 2 does not
+/// continue alone.
 inline std::string all_go() {
     Match match({.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 20}, .absent = 1u << 2});
     match.run(300);
@@ -171,14 +177,15 @@ inline std::string all_go() {
     return match.notices<MatchStopped>(2).size() == 1 ? "" : "it goes on alone";
 }
 
-/// Machine 2 goes when its inputs reach beyond the tick where machine 3 comes in, which machine 1 has not been able to tell machine 0 that it is
-/// ready for, `unheard` frames long: so guesses have to reach far. Machine 3 has none of those inputs, and the other two have.
+/// Machine 2 crashes when its inputs reach beyond the tick where machine 3 joins. Machine 1 could not send machine 0
+/// that it is ready for that tick, for `unheard` frames, so predictions reach far. Machine 3 has none of those inputs,
+/// and the other two have them.
 inline std::string goes_beyond_an_entry(std::uint64_t unheard) {
     MatchDef def{.machines = 4, .prediction_max = 40, .link = {.latency_ms = 20}, .absent = 1u << 3};
     Match match(def);
     match.run(300);
     if (!match.machine(1).session->drop_peer(2))
-        return "machine 2 is unknown"; // by one of two, so that it stays
+        return "machine 2 is unknown"; // only one of two machines drops it, so it stays
     match.run(10);
     match.join(3);
     match.run(2);
@@ -199,7 +206,8 @@ inline std::string goes_beyond_an_entry(std::uint64_t unheard) {
                : "the inputs of who came late do not count";
 }
 
-/// Machine 0 of three goes, and the others have not heard the newest of its inputs. What it has confirmed, shown and recorded stays.
+/// Machine 0 of three crashes, and the others have not received its newest inputs. Ticks that it has confirmed, shown
+/// and recorded remain valid.
 inline std::string goes_unheard(bool lockstep) {
     Match match({.machines = 3,
                  .lockstep = lockstep,
@@ -215,7 +223,8 @@ inline std::string goes_unheard(bool lockstep) {
     return match.agree(0, 1) && match.agree(0, 2) ? "" : "it has confirmed a tick that did not stay";
 }
 
-/// Machine 0 of three has left, but goes on telling hashes to machine 2, which comes late: it is heard, and has no say.
+/// Machine 0 of three has left, but still sends hashes to machine 2, which joins late. Machine 2 reads them and does
+/// not count them.
 inline std::string has_left_and_talks() {
     MatchDef def{.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 20}, .absent = 1u << 2};
     Match match(def);
@@ -235,7 +244,8 @@ inline std::string has_left_and_talks() {
     return match.agree(1, 2) && match.notices<MatchStopped>(2).empty() ? "" : "it did not stay in";
 }
 
-/// A machine comes back, hears nothing for a while, then all at once: it has run as far as guesses go, and runs on at once.
+/// A machine comes back, receives nothing for a while, then everything at once. It has run up to the limit of
+/// predictions, and continues at once.
 inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspected_ticks) {
     MatchDef def{.machines = machines, .disconnect_ms = 1000, .link = {.latency_ms = 20}};
     Match match(def);
@@ -253,7 +263,7 @@ inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspe
     for (const std::uint32_t lost : {1000u, 0u}) {
         for (PeerId from = 0; from < machines; ++from)
             if (from != 1) match.network.set_link(from, 1, {.latency_ms = 20, .loss_permille = lost});
-        match.run(lost != 0 ? 20 : 300); // the others have its first 30 inputs, so they go on
+        match.run(lost != 0 ? 20 : 300); // the others have its first 30 inputs, so they continue
     }
     for (PeerId id = 0; id < machines; ++id) {
         if (!match.agree(0, id) || !match.notices<Desync>(id).empty()) return "the machines parted";
@@ -263,7 +273,8 @@ inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspe
     return match.machine(1).timeline.end() + 30 > match.machine(0).timeline.end() ? "" : "it is behind";
 }
 
-/// Every way takes so long, less than 3/16 of the patience. The last of so many machines comes late: it is in once, and stays.
+/// Every link has this latency, less than 3/16 of the timeout. The last of so many machines joins late, joins once and
+/// stays.
 inline std::string comes_from_afar(std::uint32_t machines, std::uint32_t way_ms) {
     MatchDef def{.machines = machines,
                  .prediction_max = 64,
@@ -283,7 +294,8 @@ inline std::string comes_from_afar(std::uint32_t machines, std::uint32_t way_ms)
                : "the inputs of who came late do not count";
 }
 
-/// One packet of the log, or each, from machine 0 to machine 2 names an end of the match far beyond the true one.
+/// A transport of machine 0 that changes one packet of the log to machine 2, or all of them: the packet names an end of
+/// the match far beyond the true one.
 struct FarEnd final : Transport {
     Transport* real = nullptr;
     bool always = false, has_lied = false;
@@ -301,7 +313,7 @@ struct FarEnd final : Transport {
     std::optional<Datagram> receive() override { return real->receive(); }
 };
 
-/// Machine 0 serves machine 2 and names a far end of the match, once before it leaves, or all the time. Machine 2 joins.
+/// Machine 0 hosts machine 2, which joins. It names a far end of the match, once before it leaves or in every packet.
 inline std::string far_end(bool always) {
     FarEnd liar;
     liar.always = always;
@@ -323,7 +335,7 @@ inline std::string far_end(bool always) {
     return match.agree(1, 2) ? "" : "the machines parted";
 }
 
-/// Machine 0 of three shows another state, and is asked for it first.
+/// Machine 0 of three, which the guest requests first, offers a changed state.
 inline std::string lying_host() {
     JoinNet net(3);
     net.lie = [](PeerId from, Arena& shown) {

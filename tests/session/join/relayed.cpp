@@ -1,4 +1,5 @@
-// Hundreds watch through a relay: what a player sends does not grow, who reads no more harms nobody, and a host may go.
+// Hundreds of spectators watch through a relay: a player's traffic does not grow with them, a spectator that stops
+// reading harms no other, and a host may leave.
 #include "session/join/relayed_scenes.h"
 #include "session/seal.h"
 #include "support/effort.h"
@@ -20,7 +21,7 @@ TEST_CASE(
 }
 
 TEST_CASE("without a relay a player sends more for each who watches") {
-    // The planted twin: the count of bytes is able to grow.
+    // The negative control: without the relay the count of bytes grows with the spectators.
     const auto bytes = [](std::uint32_t count) {
         RelayedMatch net(1);
         SimulatedNetwork direct(count + 1, RelayedMatch::bad, 9);
@@ -52,7 +53,7 @@ TEST_CASE("who stops reading is sent nothing more, and nobody else notices") {
     for (int i = 0; i < 10; ++i) without.watch(false);
     net.run(300), without.run(300);
     for (std::size_t i = 10; i < 20; ++i) net.watchers[i]->reads = false;
-    net.run(70), without.run(70); // what was under way
+    net.run(70), without.run(70); // drains the packets under way
     const std::uint64_t before = net.relay->counters().bytes_to_watchers,
                         before_without = without.relay->counters().bytes_to_watchers;
     net.run(400), without.run(400);
@@ -83,7 +84,8 @@ TEST_CASE(
         net.run(1);
         const std::uint64_t next = net.relay->counters().next_tick;
         if (next < 2) continue;
-        // A state of its own making, in the host's name; from machine 1, which was not asked, a stretch.
+        // The test sends, in the host's name, a state of its own making; and from machine 1, which the relay does not
+        // use, a stretch.
         const session::Snapshot snapshot(next - 1, 12345, image);
         session::Chunk chunk;
         snapshot.chunk(0, chunk);

@@ -1,4 +1,4 @@
-// A match that hundreds watch through a relay: the machines that show it, the relay, and who watches.
+// A match that hundreds of spectators watch through a relay: the machines that host it, the relay, and the spectators.
 #pragma once
 
 #include "lockstone/session/spectator_relay.h"
@@ -7,7 +7,7 @@
 
 namespace lockstone::test {
 
-/// Three machines play, the first two show the match to the relay.
+/// Three machines play. The first two are hosts of the relay.
 class RelayedMatch {
   public:
     struct Watcher {
@@ -20,7 +20,7 @@ class RelayedMatch {
     };
     static constexpr PeerId relay_up = 2; ///< on the hosts' network
     static constexpr std::uint64_t near =
-        120; ///< ticks that one who is level may be behind: two bad links, one after the other
+        120; ///< the most ticks that a spectator in sync may be behind: two bad links in a row
 
     explicit RelayedMatch(std::uint32_t watchers_max, SpectatorRelayDef how = {.hosts = {0, 1}})
         : match({.machines = 3, .disconnect_ms = 1000, .link = bad}), upper(3, bad, 5),
@@ -61,13 +61,13 @@ class RelayedMatch {
             }
         }
     }
-    /// The machine is gone at once, and what it showed.
+    /// The machine crashes, and stops hosting.
     void lose(PeerId id) {
         hosts[id]->set_states(nullptr);
         match.crash(id);
         upper.unplug(id);
     }
-    /// How many ticks it is behind machine 2; `never` where it has seen another match.
+    /// Returns how many ticks the spectator is behind machine 2; `never` if it has seen another match.
     std::uint64_t behind(const Watcher& w) const {
         const Timeline& played = match.machines[2]->timeline;
         if (w.timeline.ticks.empty() || w.timeline.end() > played.end() || !w.timeline.agrees(played))

@@ -1,5 +1,5 @@
-// Relays whose host goes or lies, and watchers who go or are many, each with what must come of it. For the tests and for the planted
-// faults.
+// Relays whose host leaves or lies, and spectators that leave or are many, each with the expected outcome. For the
+// tests and for the planted faults.
 #pragma once
 
 #include "session/hostile_scenes.h"
@@ -9,7 +9,8 @@ namespace lockstone::test {
 
 namespace relays {
 
-/// The relay turns to the next one, and all watch on; one that comes then begins with a state of that one.
+/// The relay turns to the next host, and all spectators keep watching. A spectator that comes later begins with a state
+/// of that host.
 inline std::string host_leaves() {
     RelayedMatch net(9, {.hosts = {0, 1}, .state_polls = 300});
     for (int i = 0; i < 8; ++i) net.watch(i % 2 == 1);
@@ -39,10 +40,10 @@ inline std::string watched_host_leaves() {
     return net.behind(guest) <= 60 ? "" : "who watches lost the match with its host";
 }
 
-/// A host sends a state of its own making, whole and in good order.
+/// A host sends a state of its own making, complete and well-formed.
 inline std::string false_state() {
     RelayedMatch net(2, {.hosts = {0, 1}, .state_polls = 120});
-    for (const auto& host : net.hosts) host->set_states(nullptr); // none but that one
+    for (const auto& host : net.hosts) host->set_states(nullptr); // the false state is the only one
     std::vector<std::byte> buffer;
     const std::uint32_t match = session::packet_context(net.def).match;
     const std::vector<std::byte> image(500, std::byte{7});
@@ -67,13 +68,13 @@ inline std::string silent_watchers() {
     for (int i = 0; i < 12; ++i) net.watch(false);
     net.run(200);
     for (const auto& w : net.watchers) w->reads = false;
-    net.run(70); // what was under way
+    net.run(70); // drains the packets under way
     const std::uint64_t before = net.relay->counters().bytes_to_watchers;
     net.run(300);
     return net.relay->counters().bytes_to_watchers == before ? "" : "who reads no more is sent on";
 }
 
-/// What two hosts send while so many come one after the other, every second from a state.
+/// Returns the bytes that two hosts send while `count` spectators arrive in turn, every second one from a state.
 inline std::uint64_t bytes_of_hosts(std::uint32_t count, RelayedMatch& net) {
     constexpr std::uint32_t frames = 1200, coming = 600;
     for (std::uint32_t frame = 0; frame < frames; ++frame) {
@@ -83,7 +84,7 @@ inline std::uint64_t bytes_of_hosts(std::uint32_t count, RelayedMatch& net) {
     }
     return net.hosts[0]->bytes_sent() + net.hosts[1]->bytes_sent();
 }
-/// The bound of the bytes that a player sends with many who watch, to those with one [1/100].
+/// The most bytes that a player sends with many spectators, relative to one spectator [%].
 inline constexpr std::uint64_t many_to_one_percent = 105;
 
 inline std::string many_watchers(std::uint32_t count) {
@@ -103,7 +104,7 @@ inline std::string many_watchers(std::uint32_t count) {
                      std::to_string(for_one) + " for one";
 }
 
-/// The log drops old ticks: a machine that joins then begins with a state, or sees nothing.
+/// The log drops old ticks: a machine that joins then begins with a state, or sees no tick.
 inline std::string long_match() {
     RelayedMatch net(3, {.hosts = {0, 1}, .log_ticks_max = 1024, .state_polls = 240});
     net.watch(false);

@@ -8,7 +8,7 @@ using namespace lockstone::test;
 
 TEST_CASE("a machine comes in over every way that is shorter than 3/16 of the patience, and stays in") {
     for (const std::uint32_t machines : {3u, 4u})
-        for (const std::uint32_t way_ms : {600u, 930u}) { // of 940
+        for (const std::uint32_t way_ms : {600u, 930u}) { // [ms]; the limit is 940
             CAPTURE(machines);
             CAPTURE(way_ms);
             CHECK(joins::comes_from_afar(machines, way_ms) == "");
@@ -35,7 +35,7 @@ TEST_CASE("who could not come in for long comes with a greater life") {
     match.run(120);
     match.network.set_link(2, 1, {.loss_permille = 1000});
     match.join(2, 1);
-    match.run(60 * 60 * 9); // more than 256 tickets, one in two seconds
+    match.run(60 * 60 * 9); // more than 256 tickets, one every two seconds
     CHECK(match.notices<PlayerJoined>(2).empty());
     match.crash(2);
     match.run(60);

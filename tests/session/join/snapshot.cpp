@@ -1,4 +1,4 @@
-// States that travel: in chunks that prove themselves, to watchers that begin with them; and what nobody begins with.
+// States on the wire: chunks with proofs, spectators that begin with them, and states that every spectator refuses.
 #include "session/join/snapshot.h"
 #include "session/join/join_net.h"
 #include "support/small_game.h"
@@ -41,7 +41,7 @@ TEST_CASE("a state of any size arrives whole, whatever the order of its chunks")
                                                           (here >> (chunk.index - before - 1) & 1u) != 0);
             const bool taken = assembly.take(chunk);
             if (is_near) CHECK(taken == !is_here);
-            CHECK_FALSE(assembly.take(chunk)); // it is here
+            CHECK_FALSE(assembly.take(chunk)); // the chunk is stored already
             REQUIRE(tries < 100'000);
         }
         CHECK(std::ranges::equal(assembly.image(), bytes));
@@ -68,9 +68,9 @@ TEST_CASE("a chunk that is not what the offer's root says is not taken, whatever
     CHECK(refused([](auto& chunk, auto&) { chunk.proof[1] ^= 1; }));
     CHECK(refused([](auto& chunk, auto&) { chunk.proof.pop_back(); }));
     CHECK(refused([](auto& chunk, auto&) { chunk.proof.push_back(0); }));
-    CHECK_FALSE(refused([](auto&, auto&) {})); // the twin
+    CHECK_FALSE(refused([](auto&, auto&) {})); // the control: an unchanged chunk
 
-    for (std::uint32_t field = 0; field < 4; ++field) { // the root is of this tick, hash and size only
+    for (std::uint32_t field = 0; field < 4; ++field) { // the root covers this tick, hash and size only
         session::Offer other = snapshot.offer();
         if (field == 0) other.tick ^= 1;
         if (field == 1) other.hash ^= 1;
@@ -99,7 +99,7 @@ TEST_CASE("a watcher begins at a recent state and sees the rest of the match") {
 
 TEST_CASE(
     "a state that one machine tells otherwise than two others is refused, and one of theirs is begun with") {
-    for (const bool is_first : {true, false}) { // the one that lies is asked first, or only for its word
+    for (const bool is_first : {true, false}) { // the guest requests the liar's state first, or only its hash
         JoinNet net(3);
         net.lie = [](PeerId from, Arena& shown) {
             if (from == 0) shown.state().edit_row(arena_columns().agent, 2).speed ^= 1;

@@ -1,4 +1,4 @@
-// Watchers: whoever joins, whenever, sees the match that was played, and notices when it does not.
+// Spectators: each one sees the match that was played, whenever it joins, and detects any difference.
 #include "session/join/spectator.h"
 #include "session/join/join_net.h"
 #include "session/seal.h"
@@ -14,7 +14,7 @@ TEST_CASE("whoever watches, from the start or from later on, sees the match as i
     watched.run(1200);
     CHECK(watched.behind(first) <= 60);
     JoinNet::Guest& late = watched.watch({.hosts = {0}});
-    watched.run(700); // 1200 ticks at four a frame, while 500 more are played
+    watched.run(700); // 1200 ticks at four a frame, while the match plays 500 more
     CHECK(watched.behind(late) <= 60);
     CHECK(watched.behind(first) <= 60);
     CHECK(late.session->quality(0).hashes_agreed == late.timeline.ticks.size());
@@ -101,7 +101,7 @@ TEST_CASE("no bytes break a host or a watcher, and what they claim beyond what w
                     static_cast<std::byte>(random.next());
             if (random.below(4) != 0) test::seal(packet, 0);
             watched.network.endpoint(to_host ? 5 + random.below(2) : 6)
-                .send(to_host ? 0 : 2, packet); // a stranger's
+                .send(to_host ? 0 : 2, packet); // from a stranger
         }
     }
     CHECK(watched.behind(watcher) <= 60);

@@ -1,5 +1,5 @@
-// Questions to random heaps whose answers other questions give, too: casts that leave overlaps out, and the contact points of one body. For the
-// tests and for the planted faults.
+// Queries of random heaps whose results other queries give too: casts that skip initial overlaps, and the contact
+// points of one body. For the tests and for the planted faults.
 #pragma once
 
 #include "support/sim_scenes.h"
@@ -14,7 +14,7 @@ namespace lockstone::test {
 
 /// A solid of a random kind, 0.2 to 0.6 m.
 inline Geometry drawn_solid(SplitMix& random) {
-    // In the order of the list: arguments of a function have none.
+    // Draws in the order of this list, because the evaluation order of function arguments is unspecified.
     const Vec3 size{scene::real(drawn(random, 0.1, 0.3)), scene::real(drawn(random, 0.1, 0.3)),
                     scene::real(drawn(random, 0.1, 0.3))};
     switch (random.below(4)) {
@@ -29,7 +29,7 @@ inline Geometry drawn_solid(SplitMix& random) {
     }
 }
 
-/// 60 bodies of one or two shapes that have fallen onto a plane for half a second.
+/// 60 bodies of one or two shapes after half a second of falling onto a plane.
 inline World drawn_heap(SplitMix& random) {
     WorldDef def = scene::small_def();
     def.bodies_max = 64, def.shapes_max = 128;
@@ -52,8 +52,8 @@ inline bool is_one(const std::optional<QueryHit>& found, const QueryHit* wanted)
            found->point == wanted->point;
 }
 
-/// Casts rays and solids through a heap. Returns a sentence where one that leaves overlaps out does not give the hits of one that sees them,
-/// without those of shapes that it overlaps at the start. `left_out`: how many such hits there were.
+/// Casts rays and solids through a heap. Returns a sentence if a cast that skips overlaps does not give the hits of one
+/// that includes them, without the hits of shapes that it overlaps at the start. `left_out`: the number of such hits.
 inline std::string overlaps_seen_fault(std::uint64_t seed, int& left_out) {
     SplitMix random(seed);
     const World w = drawn_heap(random);
@@ -89,14 +89,14 @@ inline std::string overlaps_seen_fault(std::uint64_t seed, int& left_out) {
     return {};
 }
 
-/// Returns a sentence where the contact points of a body are not those of the world's list that name one of its shapes, in the same order.
-/// Bodies are destroyed and made before half of the calls: the points are those of the tick.
+/// Returns a sentence unless the contact points of a body are those points of the world's list that name one of its
+/// shapes, in list order. Bodies are destroyed and made before half of the calls: the points must be those of the tick.
 inline std::string body_points_fault(std::uint64_t seed) {
     SplitMix random(seed);
     World w = drawn_heap(random);
     std::vector<World::ContactPoint> found;
     w.contacts(w.body_at(0), found);
-    w.tick(); // what was asked before it is forgotten
+    w.tick(); // drops cached results of earlier queries
     std::vector<BodyId> bodies, of_point[2];
     for (std::uint32_t row = 0; row < w.body_count(); ++row) bodies.push_back(w.body_at(row));
     for (const World::ContactPoint& point : w.contacts())

@@ -1,4 +1,4 @@
-// A game in which events of every kind happen, and every two kinds in one tick.
+// A game with events of every kind, and with every pair of kinds in some tick.
 #pragma once
 
 #include "lockstone/game.h"
@@ -11,7 +11,7 @@
 
 namespace lockstone::test {
 
-/// `advance` is a function of the state alone, so that a session may run it again.
+/// `advance` depends on the state only, so a session may run it again.
 struct BusyGame : Game {
     static constexpr std::uint64_t crate = 1u << 16, ball = 2u << 16, hung = 3u << 16, crowd = 4u << 16;
 
@@ -36,7 +36,7 @@ struct BusyGame : Game {
 
     Status advance(World& world, std::span<const PlayerInput>) const override {
         const auto t = static_cast<std::uint32_t>(world.tick_count());
-        // user_key holds what the body is and the tick in which it was created.
+        // user_key holds the body's kind and the tick of its creation.
         for (const BodyId body : world.bodies()) {
             const std::uint64_t key = world.user_key(body), age = t - (key & 0xffffu);
             if ((key & ~0xffffull) == crate && age == 55 && key % 3 == 0)
@@ -71,7 +71,7 @@ struct BusyGame : Game {
     }
 };
 
-/// Pairs of kinds that the events of some tick held. Of a kind with itself: two events of it.
+/// The pairs of kinds that the events of some tick contained. A pair of one kind means two events of it.
 class KindPairs {
   public:
     static constexpr std::size_t kinds = 9;
@@ -83,7 +83,7 @@ class KindPairs {
                 seen[std::min(a, b)][std::max(a, b)] = true;
             }
     }
-    /// "4 and 8, ": the pairs that no tick held. A tick has one contacts_dropped at most.
+    /// Returns the pairs that no tick contained, as "4 and 8, ". A tick has at most one contacts_dropped.
     std::string missing() const {
         std::string text;
         const auto dropped = static_cast<std::size_t>(EventKind::contacts_dropped);
@@ -98,11 +98,11 @@ class KindPairs {
     std::array<std::array<bool, kinds>, kinds> seen{};
 };
 
-/// A rollback session of one player that runs the game. Its ledger ends the program where events come out of order.
+/// A rollback session of one player that runs the game. Its ledger ends the program if events are out of order.
 struct Busy {
     KindPairs pairs;
     std::size_t happened = 0; ///< events of the ticks of all frames
-    std::size_t told = 0;     ///< events that the session passed on
+    std::size_t told = 0;     ///< events that the session published
 };
 inline Busy run_busy_game(std::uint64_t frames) {
     const BusyGame game;

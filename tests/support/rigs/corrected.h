@@ -1,5 +1,5 @@
-// Bodies that position correction moves, and bodies that float: none may fall asleep before it is where it belongs. For the tests and for
-// the planted faults.
+// Bodies that position correction moves, and floating bodies: none may fall asleep before it reaches its final place.
+// For the tests and for the planted faults.
 #pragma once
 
 #include "support/sim_scenes.h"
@@ -9,7 +9,8 @@
 
 namespace lockstone::test {
 
-/// A body without gravity that a joint pulls from far off. Returns a sentence where it sleeps further off than 0.1 degrees or 1 mm.
+/// A body without gravity that a joint pulls from far away. Returns a sentence if it sleeps more than 0.1 degrees or 1
+/// mm from its place.
 inline std::string pulled_body_fault(std::uint64_t seed) {
     SplitMix random(seed);
     World w = scene::made(World::create(scene::weightless(scene::drowsy_def())));
@@ -43,7 +44,7 @@ inline std::string pulled_body_fault(std::uint64_t seed) {
     return {};
 }
 
-/// A box that begins inside a static box. Returns a sentence where it sleeps deeper in it than 1 mm.
+/// A box that begins inside a static box. Returns a sentence if it sleeps deeper than 1 mm in it.
 inline std::string buried_body_fault(std::uint64_t seed) {
     SplitMix random(seed);
     World w = scene::made(World::create(scene::weightless(scene::drowsy_def())));
@@ -61,8 +62,8 @@ inline std::string buried_body_fault(std::uint64_t seed) {
                : "seed " + std::to_string(seed) + ": the box sleeps " + std::to_string(depth) + " m deep";
 }
 
-/// A box that begins inside a static box, alone or held by a joint. Returns a sentence where overlap is pushed out faster than push_speed_max,
-/// of a body that a joint holds than a tenth of it, or slower than half of that.
+/// A box that begins inside a static box, alone or held by a joint. Returns a sentence unless the overlap is pushed out
+/// at between half of the bound and the bound. The bound is push_speed_max, and a tenth of it for a body with a joint.
 inline std::string push_fault(std::uint64_t seed) {
     SplitMix random(seed);
     const double most = drawn(random, 0.5, 5), half = drawn(random, 0.4, 1);
@@ -95,7 +96,8 @@ inline std::string push_fault(std::uint64_t seed) {
                      " box is pushed out at " + std::to_string(fastest) + " m/s, of " + std::to_string(bound);
 }
 
-/// A raft that is dropped into water. Returns a sentence where it sleeps further than 2 mm off the depth at which it displaces its mass.
+/// A raft that drops into water. Returns a sentence if it sleeps more than 2 mm from the depth at which it displaces
+/// its mass.
 inline std::string raft_fault(std::uint64_t seed) {
     SplitMix random(seed);
     World w = scene::made(World::create(scene::drowsy_def()));

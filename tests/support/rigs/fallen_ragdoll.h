@@ -11,7 +11,7 @@
 
 namespace lockstone::test {
 
-/// The most that a joint of a figure is open [m].
+/// The widest gap of a figure's joints [m].
 inline double widest_joint(const World& w, const Ragdoll& doll) {
     double widest = 0;
     for (std::uint32_t k = 1; k < ragdoll_part_count; ++k) {
@@ -33,12 +33,13 @@ inline double energy_of(const World& w, const Ragdoll& doll) {
 
 struct RagdollFall {
     std::string about;
-    bool is_mesh = false;         ///< the floor
-    double widest = 0;            ///< the most that a joint opens at the end of a tick [m]
-    double first = 0, energy = 0; ///< at the start, and the most at the end of a tick [J]
+    bool is_mesh = false;         ///< the floor is a mesh
+    double widest = 0;            ///< the widest gap of a joint at the end of a tick [m]
+    double first = 0, energy = 0; ///< initial energy, and the most at the end of a tick [J]
 };
 
-/// Drops a ragdoll from up to half a metre, pushed and turned, on a plane, a box or a mesh, at 30 to 120 ticks a second.
+/// Drops a ragdoll from up to half a metre, with a push and a spin, on a plane, a box or a mesh, at 30 to 120 ticks a
+/// second.
 inline RagdollFall fall_over(std::uint64_t seed) {
     SplitMix random(seed);
     constexpr std::uint32_t rates[] = {30, 30, 40, 60, 60, 120};
@@ -76,7 +77,8 @@ inline RagdollFall fall_over(std::uint64_t seed) {
     return out;
 }
 
-/// A sentence where a joint of a fall opens by more than 60 mm, 100 mm on a mesh, or where the figure gets 5 % more energy than it began with.
+/// Returns a sentence if a joint opens by more than 60 mm, 100 mm on a mesh, or if the figure gets 5 % more energy than
+/// its initial one.
 inline std::string fall_fault(const RagdollFall& fall) {
     if (fall.widest > (fall.is_mesh ? 0.1 : 0.06))
         return fall.about + "a joint opens by " + std::to_string(fall.widest) + " m";

@@ -1,4 +1,5 @@
-// A pit of bodies with what the solver treats apart: rolling resistance, restitution, locked axes, moving surfaces. It runs in several modes at once.
+// A pit of bodies with features that the solver handles separately: rolling resistance, restitution, locked axes,
+// moving surfaces. It runs in several modes at once.
 #pragma once
 
 #include "lockstone/math/random.h"
@@ -16,13 +17,13 @@ using namespace scene;
 
 enum Feature : unsigned { rolls = 1, bounces = 2, locks = 4, slides = 8 };
 
-/// Bodies that fall into a pit of four walls.
+/// Bodies that fall into a pit with four walls.
 inline World pit(std::uint32_t bodies, unsigned features, std::uint64_t seed) {
     WorldDef def;
     def.bodies_max = def.shapes_max = bodies + 8;
     World w = made(World::create(def));
     add_floor(w);
-    // Shallow pits, whose packs workers share by place, and deep ones, whose passes they share by order.
+    // Shallow pits, whose packs workers share by place, and deep ones, whose passes workers share by order.
     const double side = seed % 4 == 3 ? 1.5 + std::sqrt(bodies) / 8 : 1.5 + std::sqrt(bodies) / 5;
     for (int i = 0; i < 4; ++i) {
         const double x = i < 2 ? side * (2 * i - 1) : 0, z = i < 2 ? 0 : side * (2 * i - 5);
@@ -62,7 +63,8 @@ struct Mode {
     Simd simd;
 };
 
-/// Worlds of one pit in all modes, which tick together. The first is the reference: one worker, plain integers.
+/// Ticks worlds of one pit in all modes. The first one is the reference: one worker, plain integers. Returns the first
+/// difference.
 inline std::string first_difference(std::uint32_t bodies, unsigned features, std::uint64_t seed, int ticks) {
     std::vector<std::unique_ptr<Tasks>> pools;
     std::vector<World> worlds;

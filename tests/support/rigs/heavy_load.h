@@ -1,4 +1,4 @@
-// Heavy bodies that are dropped on light ones. For the tests and for the planted faults.
+// Heavy bodies that drop onto light ones. For the tests and for the planted faults.
 #pragma once
 
 #include "support/sim_scenes.h"
@@ -9,8 +9,9 @@
 
 namespace lockstone::test {
 
-/// Drops a box of up to 10,000 times the mass by up to 10 cm onto light boxes or balls that stand on a floor or on each other. Returns a
-/// sentence where the heavy box rises above its start, where it is not asleep after 4 s, or where it is then more than 5 mm deep.
+/// Drops a box of up to 10,000 times the mass by up to 10 cm onto light boxes or balls, side by side on a floor or
+/// stacked. Returns a sentence if the heavy box rises above its start, if it is awake after 4 s, or if it is then more
+/// than 5 mm deep.
 inline std::string heavy_load_fault(std::uint64_t seed) {
     SplitMix random(seed);
     const auto drawn = [&](double low, double high) {
@@ -57,7 +58,7 @@ inline std::string heavy_load_fault(std::uint64_t seed) {
     return deep <= 0.005 * levels ? "" : about("it is " + std::to_string(deep) + " m deep");
 }
 
-/// A heavy box hits a row of light boxes that nothing supports. Returns a sentence where the momentum of all changes.
+/// A heavy box hits a row of light boxes without support. Returns a sentence if the total momentum changes.
 inline std::string free_row_fault(std::uint64_t seed) {
     SplitMix random(seed);
     World w = scene::made(World::create(scene::weightless()));

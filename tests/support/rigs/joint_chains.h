@@ -1,4 +1,5 @@
-// Chains of joints over a floor that change while they run, beside the same whose memory is overwritten before every tick.
+// Chains of joints over a floor that change while they run, beside equal chains whose memory is overwritten before
+// every tick.
 #pragma once
 
 #include "support/task_worlds.h"
@@ -11,11 +12,12 @@
 
 namespace lockstone::test {
 
-/// Chains of three over a floor, of every kind that packs and singles take; each hangs on a static body, but for the last.
+/// Chains of three over a floor, of every kind that packs and singles solve. Each hangs on a static body, except for
+/// the last.
 struct JointChains {
     static constexpr JointKind kinds[] = {JointKind::ball,  JointKind::hinge,    JointKind::weld,
                                           JointKind::wheel, JointKind::distance, JointKind::ball};
-    static constexpr int links = 3; ///< too few for trees, which are planned anew in every tick
+    static constexpr int links = 3; ///< too few for trees, whose plan is made in every tick
     sim::Data w{definition(), {}, std::make_shared<const AssetLibrary>()};
     std::vector<BodyId> bodies;
     std::vector<JointId> joints;
@@ -72,7 +74,7 @@ struct JointChains {
     }
 };
 
-/// What happens to joints and bodies, by tick.
+/// Changes joints and bodies; the tick decides how.
 inline void change(JointChains& c, int t) {
     const auto pick = [t](std::size_t count) { return static_cast<std::size_t>(t) * 7 % count; };
     const std::size_t joint = pick(c.joints.size());
@@ -84,18 +86,18 @@ inline void change(JointChains& c, int t) {
         def.axis[about_x].mode = AxisMode::free, def.axis[about_x].motor_speed = 4_r;
         def.axis[about_x].motor_force = 3_r;
         return c.say(SetJointAxis{c.joints[joint], about_x, 0, def.axis[about_x]});
-    case 20: // a point opens along an axis, and packs take it no more
+    case 20: // a point opens along an axis, so packs no longer solve it
         def.axis[along_x].mode = AxisMode::free;
         return c.say(SetJointAxis{c.joints[joint], along_x, 0, def.axis[along_x]});
     case 30:
         def.frame_b.position.y += 0.05_r;
         return c.say(SetJointFrames{c.joints[joint], def.frame_a, def.frame_b});
-    case 40: // what stands still is put elsewhere
+    case 40: // moves a static body
         return c.say(SetPose{anchor, scene::at(-2.02, 2.01, -4)});
     case 50:
         if (c.w.state.rows(c.w.m.body_info)[c.w.row_of(body)].kind != BodyKind::dynamic) return;
         return c.say(SetMass{.body = body, .mass = Real(1 + t % 5), .center = scene::vec(0.02, 0, 0)});
-    case 60: // one joint goes, and comes again as the last of all
+    case 60: // destroys a joint and makes it again, as the last one
         c.say(DestroyJoint{c.joints[joint]});
         c.joints[joint] = scene::made(sim::apply(c.w, CreateJoint{def})).joint;
         return;
@@ -108,9 +110,9 @@ inline void change(JointChains& c, int t) {
 
 struct ChainRun {
     int kept = 0, anew = 0, asleep = 0;
-    int parted_at = -1; ///< tick in which the two went other ways, -1: none
+    int parted_at = -1; ///< the tick in which the two differ, -1: none
 };
-/// `hide` is called between the changes and the tick.
+/// Calls `hide` between the changes and the tick.
 inline ChainRun run_chains(
     int ticks, const std::function<void(sim::Data&)>& hide = [](sim::Data&) {}) {
     JointChains usual, other = usual;

@@ -1,4 +1,4 @@
-// Bodies and joints without a world: the solver's own loop on hand-made columns.
+// Bodies and joints without a world: the solver's own loop on columns that the test fills.
 #pragma once
 
 #include "lockstone/math/convert.h"
@@ -38,7 +38,7 @@ inline Quat turn(D3 axis, double angle) {
         {quantize<Unit>(axis[0] / n), quantize<Unit>(axis[1] / n), quantize<Unit>(axis[2] / n)}, real(angle));
 }
 
-/// What a tick does to bodies that nothing but joints touches.
+/// The part of a tick that acts on bodies with joints and no contacts.
 struct Rig {
     std::vector<BodyInfo> info;
     std::vector<BodyTraits> traits;
@@ -58,7 +58,7 @@ struct Rig {
 
     static constexpr std::uint32_t world = 0xffffffffu;
 
-    /// A body with its centre of mass at `at`; of mass 0: static.
+    /// Adds a body with its centre of mass at `at`; mass 0: static.
     std::uint32_t add(double kg, D3 gyration, D3 at, Quat rotation = Quat::identity()) {
         BodyInfo i{};
         i.kind = kg > 0 ? BodyKind::dynamic : BodyKind::static_;
@@ -74,7 +74,7 @@ struct Rig {
         velocity.push_back({});
         return static_cast<std::uint32_t>(info.size() - 1);
     }
-    /// The joint with both frames at one place.
+    /// Adds the joint, with both frames at one place.
     std::uint32_t join(JointDef def, std::uint32_t a, std::uint32_t b, D3 at,
                        Quat rotation = Quat::identity()) {
         const Transform place{vec(at), rotation};
@@ -112,7 +112,7 @@ struct Rig {
         follow_turns(columns(), step, bodies, nullptr);
         solver.prepare(ready, memory, columns(), step, bodies);
     }
-    /// As in tick.cpp, without contacts, vehicles and fluids.
+    /// A substep as in tick.cpp, without contacts, vehicles and fluids.
     void substep(const StepConstants& step) {
         integrate_velocities({Scheme::semi_implicit_euler, {}}, columns(), step, bodies);
         solver.warm_start(step, bodies);
@@ -141,7 +141,7 @@ struct Rig {
         return joint_coordinates(defs[j], frame_a(j), frame_b(j), memory[j].twist);
     }
     double coordinate(std::uint32_t j, std::uint32_t axis) const { return to_double(coordinates(j)[axis]); }
-    /// How far the two frames are apart.
+    /// The distance of the two frames [m].
     double gap(std::uint32_t j) const { return length(d3(frame_b(j).position) - d3(frame_a(j).position)); }
     D3 v(std::uint32_t b) const { return d3(velocity[b].linear); }
     D3 w(std::uint32_t b) const { return d3(velocity[b].angular); }

@@ -1,4 +1,5 @@
-// Two bodies and a joint of any kind in a world, and what the joint should keep, measured in double beside the engine.
+// Two bodies and a joint of any kind in a world, and the joint's constraints, measured in double precision without the
+// engine.
 #pragma once
 
 #include "lockstone/math/random.h"
@@ -11,7 +12,7 @@ inline constexpr JointKind joint_kinds[] = {JointKind::six_dof, JointKind::ball,
                                             JointKind::motor,   JointKind::mouse, JointKind::distance,
                                             JointKind::pulley,  JointKind::gear,  JointKind::rack_and_pinion};
 
-/// Nothing pulls, nothing sleeps.
+/// A definition without gravity and sleep.
 inline WorldDef bare_def() {
     WorldDef def = weightless();
     def.bodies_max = def.shapes_max = 16;
@@ -32,7 +33,7 @@ struct Jointed {
     World world;
     BodyId a, b;
     JointId joint;
-    JointId axle_a{}, axle_b{}; ///< of gears and racks: what holds A and B to the world
+    JointId axle_a{}, axle_b{}; ///< of gears and racks: the axles of A and B to the world
 };
 
 inline JointDef plain_joint(JointKind kind) {
@@ -64,14 +65,14 @@ inline JointDef plain_joint(JointKind kind) {
     }
 }
 
-/// `turn` of the joint's frame.
+/// `turn`: the rotation of the joint's frame.
 inline Jointed join_two(JointKind kind, JointDef def, Quat turn = Quat::identity(),
                         WorldDef world_def = bare_def()) {
     Jointed j{made(World::create(world_def)), {}, {}, {}};
     j.a = add_crate(j.world, at(-1, 0, 0)), j.b = add_crate(j.world, at(1, 0, 0));
     def.kind = kind;
     if (kind == JointKind::distance ||
-        kind == JointKind::pulley) { // between the origins, or faces that look at each other
+        kind == JointKind::pulley) { // between the origins; or faces that are opposite each other
         def.body_a = j.a, def.body_b = j.b;
         if (kind == JointKind::distance) def.frame_a = at(0.5, 0, 0), def.frame_b = at(-0.5, 0, 0);
         j.joint = made(j.world.create_joint(def));
@@ -114,7 +115,7 @@ inline D3 crossed(D3 a, D3 b) {
 }
 inline double angle_between(D3 a, D3 b) { return std::atan2(length(crossed(a, b)), dot(a, b)); }
 
-/// How far B's frame is from A's along, and turned about, each of A's axes.
+/// The translation of B's frame along, and its rotation about, each of A's axes.
 struct Offset {
     D3 along;    ///< [m]
     D3 about;    ///< rotation vector [rad]
@@ -134,7 +135,7 @@ inline Offset offset_of(const World& w, JointId joint) {
     return offset_of(place_of(w, def.body_a, def.frame_a), place_of(w, def.body_b, def.frame_b));
 }
 
-/// By how much what a joint of `kind` keeps is violated [m], angles times 1 m.
+/// The violation of the constraints of a joint of `kind` [m], angles times 1 m.
 inline double violation(const Jointed& j, JointKind kind) {
     const JointDef def = j.world.joint(j.joint);
     const Place a = place_of(j.world, def.body_a, def.frame_a),
@@ -170,7 +171,7 @@ inline double violation(const Jointed& j, JointKind kind) {
     }
 }
 
-/// Axes along and about which B is free against A, by index.
+/// The axes along and about which B is free relative to A, by index.
 inline std::vector<std::uint32_t> free_axes(JointKind kind) {
     switch (kind) {
     case JointKind::ball:
@@ -188,7 +189,7 @@ inline std::vector<std::uint32_t> free_axes(JointKind kind) {
     }
 }
 
-/// Forces [N] and torques [N m] on both bodies, of all directions, the same for a seed and a tick.
+/// Forces [N] and torques [N m] on both bodies, in all directions. A seed and a tick always give equal loads.
 struct Loads {
     Random random;
     double force, torque;

@@ -1,4 +1,4 @@
-// Every kind of joint that has a name of its own: the kinds, and what the tables of some of them are also called.
+// Every kind of joint with a name of its own: the kinds, and further names for some tables of them.
 #pragma once
 
 #include "support/rigs/joint_scenes.h"
@@ -8,10 +8,10 @@ namespace lockstone::test::scene {
 struct JointVariant {
     const char* name;
     JointDef def;
-    std::uint32_t taken; ///< degrees of freedom of the pair
+    std::uint32_t taken; ///< degrees of freedom that the pair loses
 };
 
-/// Springs so slow that they take nothing within a tick.
+/// Springs are so slow that they have no effect within a tick.
 inline std::vector<JointVariant> joint_variants() {
     const Real slow = real(0.01);
     JointDef cone = ball_joint();

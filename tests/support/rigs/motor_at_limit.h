@@ -10,11 +10,12 @@ namespace lockstone::test {
 struct LimitedDrive {
     double force; ///< [N] or [N m]
     double mass;  ///< [kg]
-    bool slides;  ///< along an axis; else about one
+    bool slides;  ///< along an axis, not about one
     bool has_motor, has_spring;
 };
 
-/// Drives an arm for two seconds. Returns a sentence where it is beyond its limit of 0.8 m or rad by more than 0.02 at any tick.
+/// Drives an arm for two seconds. Returns a sentence if it exceeds its limit of 0.8 m or rad by more than 0.02 at any
+/// tick.
 inline std::string limit_fault(const LimitedDrive& drive) {
     World w = scene::made(World::create(WorldDef{})); // four substeps: the largest impulses
     BodyDef arm{.pose = scene::at(0.5, 0, 0)};
@@ -41,7 +42,7 @@ inline std::string limit_fault(const LimitedDrive& drive) {
                               std::to_string(drive.mass) + " kg beyond its limit by " + std::to_string(most);
 }
 
-/// Every force that a joint may have, on light and on heavy bodies.
+/// Tests every force that a joint may have, on light and on heavy bodies.
 inline std::string limits_fault() {
     for (const double force : {1e2, 1e4, 3e5, 1e6, 1e8, 2e9})
         for (const double mass : {0.01, 1.0, 100.0, 1e4})

@@ -1,4 +1,5 @@
-// A world whose ticks wake, push and crouch: each of them moves rows of the state while others of the tick look at it.
+// A world whose ticks wake bodies, push them and change characters' shapes: each of these moves rows of the state while
+// other parts of the tick use them.
 #pragma once
 
 #include "lockstone/testing.h"
@@ -9,7 +10,7 @@
 
 namespace lockstone::test {
 
-/// Crates that sleep in two heaps; two cars and two characters beside them.
+/// Two sleeping heaps of crates; two cars and two characters beside them.
 struct MovingState {
     World w;
     BodyId car, other_car;
@@ -37,7 +38,8 @@ struct MovingState {
         for (int t = 0; t < 400; ++t) out.w.tick();
         return out;
     }
-    /// Applies the commands of tick `t`, then ticks: one car falls onto the first heap, and the character walks into the second heap, crouches and jumps.
+    /// Applies the commands of tick `t`, then ticks. One car falls onto the first heap. The character walks into the
+    /// second heap, crouches and jumps.
     void play(int t) {
         using namespace scene;
         if (t == 2) {
@@ -49,11 +51,12 @@ struct MovingState {
     }
 };
 
-/// Plays two copies; the second copy moves its state at every chance. Returns the first tick after which they differ, as a sentence.
+/// Plays two copies; the second copy moves its state whenever it may. Returns the first tick after which they differ,
+/// as a sentence.
 inline std::string moving_state_differs(int ticks) {
     MovingState first = MovingState::make();
     if (first.w.awake_count() > 2) return "the heaps do not sleep";
-    // Saved and loaded, so that no table has room for more than it holds.
+    // Saved and loaded, so that no table has spare capacity.
     MovingState still{scene::made(World::create(first.w.def())), first.car, first.other_car, first.walker};
     scene::done(still.w.restore_portable(first.w.save_portable()));
     MovingState moving{still.w.clone(), first.car, first.other_car, first.walker};

@@ -8,8 +8,8 @@
 
 namespace lockstone::test {
 
-/// The wheels of one side of a car of 1,200 kg pass over a plank of 1 to 200 kg. Returns a sentence where a corner of the plank is ever more
-/// than 5 mm below the ground, or where the plank jumps by more than 10 cm.
+/// The wheels of one side of a car of 1,200 kg pass over a plank of 1 to 200 kg. Returns a sentence if a corner of the
+/// plank is ever more than 5 mm below the ground, or if the plank jumps by more than 10 cm.
 inline std::string plank_fault(std::uint64_t seed) {
     using namespace vehicle;
     SplitMix random(seed);

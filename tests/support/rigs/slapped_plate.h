@@ -46,7 +46,7 @@ inline void add_plate_floor(World& w, int kind) {
             add_wall(w, at(2 * half * x, -1, 2 * half * z), vec(half, 1, half));
 }
 
-/// How deep the lowest corner of the plate gets into the floor within 4 s [m].
+/// Returns how deep the lowest corner of the plate gets into the floor within 4 s [m].
 inline double slap_depth(const Plate& plate, std::uint32_t tick_rate) {
     using namespace scene;
     constexpr double degrees = 180 / 3.14159265358979323846;

@@ -10,7 +10,7 @@
 
 namespace lockstone::test {
 
-/// Two weights on joints that cannot carry them. The first joint is that of the later bodies.
+/// Two weights on joints that cannot carry them. The first joint belongs to the later bodies.
 struct SnapGame : Game {
     std::string name() const override { return "snap"; }
     std::uint64_t content_id() const override { return 1; }
@@ -38,7 +38,7 @@ struct SnapGame : Game {
 
 struct Snapped {
     std::vector<JointId> joints; ///< before the first tick, ascending
-    std::vector<JointId> told;   ///< that break, in the order of the events of a session
+    std::vector<JointId> told;   ///< broken joints, in the order of a session's events
 };
 inline Snapped run_snap_game() {
     const SnapGame game;

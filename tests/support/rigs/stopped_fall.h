@@ -9,8 +9,8 @@
 
 namespace lockstone::test {
 
-/// A ball falls at 60 to 200 m/s and the sweep stops it above a plane. Returns a sentence where its speed has not grown by gravity for the part of the
-/// tick's way that it went.
+/// A ball falls at 60 to 200 m/s, and the sweep stops it above a plane. Returns a sentence unless gravity has increased
+/// its speed for the part of the tick's way that it moved.
 inline std::string stopped_fall_fault(std::uint64_t seed) {
     SplitMix random(seed);
     constexpr std::uint32_t rates[] = {30, 60, 120};
@@ -26,7 +26,7 @@ inline std::string stopped_fall_fault(std::uint64_t seed) {
     w.tick();
     const double fall = 9.81, whole = speed * time, gone = start - scene::position(w, ball)[1],
                  wanted = speed + fall * time * gone / whole, now = -scene::velocity(w, ball)[1];
-    // The way of a tick has gravity in it, too: a share of g t^2 / whole.
+    // The way of a tick includes gravity's part: a share of g t^2 / whole.
     if (std::abs(now - wanted) <= fall * time * (fall * time * time / whole) + 1e-4) return {};
     return "seed " + std::to_string(seed) + ": a stopped ball falls at " + std::to_string(now) +
            " m/s in place of " + std::to_string(wanted) + " m/s";

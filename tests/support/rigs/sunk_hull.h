@@ -1,4 +1,4 @@
-// Hulls that begin in a floor. For the tests and for the planted faults.
+// Hulls that begin inside a floor. For the tests and for the planted faults.
 #pragma once
 
 #include "law/zoo/object.h"
@@ -10,8 +10,8 @@
 
 namespace lockstone::test {
 
-/// A prism of 3 to 8 m whose sides are flat to 0.3 to 1 mm begins a tick 1 to 5 cm deep in a box, nearly level. Returns a sentence where no contact
-/// point is at least half as deep as its lowest corner.
+/// A prism of 3 to 8 m whose sides are flat to 0.3 to 1 mm begins a tick 1 to 5 cm deep in a box, nearly level. Returns
+/// a sentence if no contact point is at least half as deep as the lowest corner.
 inline std::string sunk_hull_fault(std::uint64_t seed) {
     SplitMix random(seed);
     const double large = drawn(random, 3, 8), small = drawn(random, 0.2, 0.6), middle = drawn(random, 1, 3),

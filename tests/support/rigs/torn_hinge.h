@@ -1,12 +1,12 @@
-// A hinge whose axes come apart within one tick.
+// A hinge whose axes separate within one tick.
 #pragma once
 
 #include "support/sim_scenes.h"
 
 namespace lockstone::test::scene {
 
-/// Two boxes of 2 m in one place: one is welded to a body that spins about z, the other to the world, and their hinge about x cannot hold both.
-/// A ball joint between them makes it close a loop, so that no tree has it.
+/// Two boxes of 2 m in one place. One is welded to a body that spins about z, the other to the world, and their hinge
+/// about x cannot hold both. A ball joint between the boxes closes a loop, so the tree solver does not solve the hinge.
 struct TornHinge {
     World world;
     BodyId spun, held;
@@ -37,7 +37,7 @@ inline JointDef hinge_with(const JointAxis& about) {
     def.axis[about_x] = about;
     return def;
 }
-/// A joint with the same axes; packs do not make its rows.
+/// A wheel joint with the hinge's axes; packs do not solve its rows.
 inline JointDef wheel_like_hinge(const JointAxis& about) {
     JointDef def = wheel_joint(1_r, 1_r);
     def.axis[along_y] = JointAxis{};

@@ -1,4 +1,4 @@
-// A vehicle in a world of its own, and its numbers as doubles.
+// A vehicle in its own world, and its values as doubles.
 #pragma once
 
 #include "support/sim_scenes.h"
@@ -41,7 +41,7 @@ struct Setting {
     WorldDef world = small_def();
 };
 
-/// A car on a plane, or on what `ground` adds.
+/// A car on a plane, or on the ground that `ground` adds.
 template <class Change> Rig make_car(const Setting& s, Change&& change) {
     World w = made(World::create(s.world));
     add_floor(w);
@@ -58,7 +58,7 @@ inline Rig make_car(const Setting& s = {}) {
 inline void set_frequency(VehicleDef& def, double hertz) {
     for (WheelDef& wheel : def.wheel) wheel.frequency = real(hertz);
 }
-/// A tyre that grips by `peak` however it slides, from a slip of 0.05 on.
+/// A tyre that grips by `peak` in all directions, from a slip of 0.05 on.
 inline void set_grip(VehicleDef& def, double peak) {
     for (Tyre& t : def.tyre) {
         t.along = {{{0_r, 0_r}, {0.05_r, real(peak)}, {1_r, real(peak)}, {2_r, real(peak)}}};
@@ -66,7 +66,7 @@ inline void set_grip(VehicleDef& def, double peak) {
         t.rolling_resistance = {};
     }
 }
-/// The same torque at every speed, no drag of its own.
+/// An engine with equal torque at every speed and no drag.
 inline void set_engine(VehicleDef& def, double torque) {
     def.engine.torque_max = real(torque);
     for (CurvePoint& p : def.engine.torque) p.y = 1_r;
