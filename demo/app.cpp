@@ -20,7 +20,7 @@
 namespace lockstone::demo {
 namespace {
 
-/// Everything that needs OpenGL, in the order in which it must be made.
+/// All objects that need OpenGL, in the order of their creation.
 struct Screen {
     explicit Screen(std::unique_ptr<Surface> made) : surface(std::move(made)), renderer(resources) {}
     std::unique_ptr<Surface> surface;
@@ -41,9 +41,9 @@ Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
     return options.netplay ? NetplayPage::open(options, stage) : LivePage::open(options, stage);
 }
 
-/// Before a window opens for nothing.
+/// Checks the scene before a window opens for it.
 Status check_scene(const Options& options) {
-    if (!options.join.empty() || !options.watch.empty()) return {}; // the host says what is played
+    if (!options.join.empty() || !options.watch.empty()) return {}; // the host chooses the game
     if (options.compare) return check_comparison(options);
     if (options.source_is_file()) return {};
     const Result<std::unique_ptr<Game>> game = make_game(options);
@@ -67,10 +67,10 @@ class App {
     void write_picture();
 
     const Options& options_;
-    std::unique_ptr<Screen> screen_; ///< null: no pictures; outlives whatever holds GL objects
+    std::unique_ptr<Screen> screen_; ///< null: no pictures; it must outlive all owners of GL objects
     Stage stage_;
     bool window_ = false;
-    bool pictures_ = false; ///< written every now and then
+    bool pictures_ = false; ///< pictures are written at intervals
     std::unique_ptr<Page> page_;
     const cli::Interrupt interrupt_;
 };
@@ -156,13 +156,13 @@ Status App::run_page_offscreen() {
     return {};
 }
 
-/// Page after page as fast as it goes, with a picture now and then if there is something to draw with.
+/// Runs one page after another without waiting, and writes pictures at intervals if OpenGL is available.
 Status App::run_offscreen() {
     for (;;) {
         if (const Status status = run_page_offscreen(); !status) return status;
         const Result<bool> more = follow_with_next();
         if (!more) return more.error();
-        if (!*more || interrupt_.came()) return {}; // the page before has closed its recording
+        if (!*more || interrupt_.came()) return {}; // the page has closed its recording
     }
 }
 
@@ -195,7 +195,7 @@ Status App::run_window() {
         else if (options_.script)
             return {};
     }
-    // What was played must still be proved: without pictures, if the window is gone.
+    // The recording still has to be verified. If the window is gone, this happens without pictures.
     const Result<bool> more = follow_with_next();
     if (!more) return more.error();
     while (*more && !page_->finished() && !interrupt_.came())
@@ -209,7 +209,7 @@ int App::run() {
         return 2;
     }
     open_screen();
-    if (options_.figures && screen_ == nullptr) return 2; // it has been said why; there is nothing else to do
+    if (options_.figures && screen_ == nullptr) return 2; // open_screen has printed the reason
     Result<std::unique_ptr<Page>> page = open_page(options_, stage_);
     if (!page) {
         complain(page.error().message);

@@ -1,11 +1,11 @@
 #pragma once
-/// The program: a surface, pages one after the other, the last line.
+/// The program: opens a surface, runs the pages, and prints a last line.
 
 #include "options.h"
 
 namespace lockstone::demo {
 
-/// Exit status: 0 all that was compared agrees, 1 something differs, 2 bad input.
+/// Runs the program. Exit status: 0 every comparison agrees, 1 a comparison differs, 2 bad input.
 int run(const Options& options);
 
 } // namespace lockstone::demo

@@ -10,8 +10,9 @@ namespace {
 
 constexpr float follow_distance = 13, follow_pitch = -0.5f;   ///< [m], [rad]
 constexpr float overview_yaw = 0.6f, overview_pitch = -0.55f; ///< [rad]
-constexpr float slack = 0.15f; ///< of the radius: the overview rests while what it sees changes less
-/// The share of the way that is left shrinks as exp(-rate t) [1/s].
+/// Share of the radius: the overview rests while its target changes by less than this.
+constexpr float slack = 0.15f;
+/// The remaining distance shrinks as exp(-rate t) [1/s].
 constexpr float follow_rate = 7, overview_rate = 1.5f;
 
 } // namespace
@@ -65,7 +66,7 @@ void CameraRig::update(const SceneView& view, float alpha, float seconds) {
     if (!position) return;
     const glm::vec3 aim = *position + glm::vec3(0, 0.6f, 0);
     if (!arrived_) {
-        // From behind: the others lie ahead.
+        // The camera starts behind the player, with the other bodies ahead.
         const glm::vec3 ahead = view.bounds().centre() - *position;
         camera_ = Camera(aim, follow_distance, std::atan2(-ahead.x, -ahead.z), follow_pitch);
         arrived_ = true;

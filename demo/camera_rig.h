@@ -1,5 +1,5 @@
 #pragma once
-/// The camera of a view: it sees everything, follows a player, or is flown by hand.
+/// The camera of a view. It shows the whole scene, follows a player, or is moved by hand.
 
 #include "input_map.h"
 #include "render/camera/camera.h"
@@ -12,18 +12,19 @@ namespace lockstone::demo {
 
 class CameraRig {
   public:
-    /// Looks at all that moves, and goes on doing so as it spreads.
+    /// Shows all moving bodies, and follows them as they spread.
     void frame_scene(const Bounds& bounds);
-    /// Stays behind a player; nothing: flown by hand.
+    /// Stays behind a player; empty: moved by hand.
     void follow(std::optional<std::uint32_t> player);
     const std::optional<std::uint32_t>& followed() const { return followed_; }
 
-    /// C follows or lets go, Tab takes the next player, shift Home sees everything. `letters_taken`: the
-    /// letters belong to a player, so they must not fly the camera.
+    /// C follows a player or stops following, Tab selects the next player, shift Home shows the whole scene.
+    /// `letters_taken`: the letter keys drive a player, so they do not move the camera.
     void control(const Input& input, const SceneView& view, float height, float seconds, bool letters_taken);
-    /// Where `people` may play (null: nobody does) the letters are theirs while a player is followed, and fly the camera else.
+    /// As above. With `people` (null: no person plays) the letter keys drive a player while the camera follows one, and
+    /// move the camera otherwise.
     void control(const Input& input, const SceneView& view, float height, float seconds, InputMap* people);
-    /// Moves with what it looks at, smoothly.
+    /// Moves the camera smoothly after its target.
     void update(const SceneView& view, float alpha, float seconds);
 
     const Camera& camera() const { return camera_; }
@@ -38,9 +39,9 @@ class CameraRig {
 
     Camera camera_;
     std::optional<std::uint32_t> followed_;
-    bool arrived_ = false; ///< at the player, since it was chosen
-    bool overview_ = true; ///< sees everything, until flown by hand
-    Sphere aim_, seen_;    ///< of the overview: where it is going, where it is
+    bool arrived_ = false; ///< has reached the player since it was selected
+    bool overview_ = true; ///< shows the whole scene, until moved by hand
+    Sphere aim_, seen_;    ///< of the overview: its target, its current state
 };
 
 } // namespace lockstone::demo

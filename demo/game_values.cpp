@@ -6,7 +6,7 @@
 namespace lockstone::demo {
 namespace {
 
-/// A leaf in host byte order.
+/// A value in host byte order.
 template <class T> T load(std::span<const std::byte> bytes) {
     T value;
     std::memcpy(&value, bytes.data(), sizeof(T));

@@ -1,6 +1,6 @@
 #pragma once
-/// Reads a game's own columns by name, so that a viewer can show scores without the game's headers, also of a
-/// replay that holds commands alone.
+/// Reads a game's own columns by name. A viewer can thus show scores without the headers of the game, and also for a
+/// recording of commands.
 
 #include "lockstone/world.h"
 
@@ -9,19 +9,18 @@
 
 namespace lockstone::demo {
 
-/// The number in a field of a row; fixed point is rounded down. Nothing if there is no such column, row or
-/// field.
+/// The number in a field of a row; fixed point is rounded down. Empty if there is no such column, row or field.
 std::optional<std::int64_t> game_value(const World& world, std::string_view column, std::uint32_t row,
                                        std::string_view field);
 
-/// The arena's match, if this world has one.
+/// The score of rollback-arena, if the world has one.
 struct MatchValues {
     std::vector<std::int64_t> scores; ///< by player
-    std::size_t it = 0;               ///< the player who is "it"
+    std::size_t it = 0;               ///< index of the player who must tag another
 };
 std::optional<MatchValues> match_values(const World& world);
 
-/// The player who owns the prop in this row of the bodies; nothing if nobody does.
+/// The player who owns the prop in this row of the bodies; empty if the prop has no owner.
 std::optional<std::uint32_t> prop_owner(const World& world, std::uint32_t body_row);
 
 } // namespace lockstone::demo

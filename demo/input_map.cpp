@@ -10,7 +10,7 @@ namespace {
 struct SeatKeys {
     Key right, left, up, down, jump, push, push_too;
     Controls names;
-    const char* half; ///< of the window that shows this player in netplay
+    const char* half; ///< the half of the window that shows this player in netplay
 };
 constexpr std::array<SeatKeys, 2> seat_keys{{
     {Key::d,
@@ -37,7 +37,7 @@ std::int8_t to_axis(float value) {
     return static_cast<std::int8_t>(std::lround(127 * glm::clamp(value, -1.0f, 1.0f)));
 }
 
-/// "WASD roll   Space jump   F push".
+/// For example "WASD roll   Space jump   F push".
 std::string keys_of(const Game& game, std::uint32_t player) {
     const Controls keys = seat_keys[player].names, does = controls_of(game, player);
     std::string line;
@@ -94,7 +94,7 @@ void InputMap::read_gamepad(const Gamepad& pad, glm::vec2& stick, Seat& out) {
 
 void InputMap::poll(const Input& input, const Camera& camera) {
     const glm::vec3 right = camera.right();
-    const glm::vec3 ahead(right.z, 0, -right.x); // level, whatever the pitch
+    const glm::vec3 ahead(right.z, 0, -right.x); // horizontal, for any pitch of the camera
     for (std::size_t i = 0; i < seat_count; ++i) {
         Seat& seat = seats_[i];
         glm::vec2 stick(0);

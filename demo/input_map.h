@@ -1,5 +1,5 @@
 #pragma once
-/// Keys and gamepads as the inputs of scenes.
+/// Converts keys and gamepads to the inputs of scenes.
 
 #include "render/camera/camera.h"
 #include "render/camera/input.h"
@@ -10,26 +10,27 @@
 
 namespace lockstone::demo {
 
-/// Whether this game takes ArenaInput, so that people can play it.
+/// True if the game uses ArenaInput, so that a person can play it.
 bool is_playable(const Game& game);
-/// What seat 0 does, for one line: "WASD roll   Space jump   F push".
+/// The keys of seat 0 in one line: "WASD roll   Space jump   F push".
 std::string keys_in_short(const Game& game);
-/// A line for each player who has keys; `sides`: netplay, whose halves have names.
+/// A line for each player with keys. `sides`: also names the halves of the window, for netplay.
 std::string keys_of_players(const Game& game, bool sides = false);
 
-/// Seat 0: WASD, space jumps, F or left shift pushes. Seat 1: arrows, right control jumps, right shift
-/// pushes. Every seat: the gamepad of its number; left stick or cross moves, A jumps, X or B pushes.
+/// A seat is a set of controls. Seat 0: WASD, space jumps, F or left shift pushes. Seat 1: arrows, right control jumps,
+/// right shift pushes. Every seat also has the gamepad of its number: left stick or cross moves, A jumps, X or B
+/// pushes.
 class InputMap {
   public:
     static constexpr std::size_t seat_count = 4;
 
-    /// Once per picture. Directions are those of the camera; buttons that were struck since the last take()
-    /// count, however short.
+    /// Call it once per picture. Directions are relative to the camera. A button that was pressed since the last take()
+    /// counts, even if it is already released.
     void poll(const Input& input, const Camera& camera);
 
-    /// Whether anybody has ever used this seat.
+    /// True if the seat was ever used.
     bool used(std::size_t seat) const { return seats_[seat].used; }
-    /// For the next tick.
+    /// The input for the next tick.
     ArenaInput take(std::size_t seat);
 
   private:

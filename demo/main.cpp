@@ -1,5 +1,5 @@
-/// lockstone-demo: a view of the engine. It owns no simulation logic: worlds, games, sessions and replays
-/// come from the library, and every tick it shows is run by them.
+/// lockstone-demo shows the engine at work. It contains no simulation logic: worlds, games, sessions and replays come
+/// from the library, which runs every tick.
 
 #include "app.h"
 

@@ -23,7 +23,7 @@ std::string scene_list() {
                   "Exit status: 0 all ticks bit-exact, 1 a tick differs, 2 bad usage or bad input.";
 }
 
-/// Only digits: the parser's own conversion takes -1 for the largest number.
+/// Accepts only digits: the parser's own conversion accepts -1 as the largest number.
 CLI::Validator whole_number(std::uint64_t most) {
     const auto check = [most](const std::string& text) {
         const std::optional<std::uint64_t> value = cli::number_of(text);
@@ -92,7 +92,7 @@ void add_options(CLI::App& app, Options& options) {
     app.add_flag("--script", options.script, "nobody plays; ends by itself");
 }
 
-/// What CLI11 cannot know; empty when the options go together.
+/// Checks combinations of options, which CLI11 cannot check. Returns an empty text if they fit together.
 std::string contradiction(const Options& options) {
     const int online = options.host + !options.join.empty() + !options.watch.empty();
     if (options.netplay + options.compare + options.figures + online > 1)
@@ -123,7 +123,7 @@ std::string contradiction(const Options& options) {
     return {};
 }
 
-/// Options that were given and say nothing about what is shown; empty when there are none.
+/// Options without effect on the chosen page; empty if there are none.
 std::string misplaced(const CLI::App& app, const Options& options) {
     if (app.count("--machines") != 0 && !options.host) return "--machines goes with --host";
     if (app.count("--latency") + app.count("--loss") != 0 && !options.netplay)
@@ -131,7 +131,7 @@ std::string misplaced(const CLI::App& app, const Options& options) {
     return {};
 }
 
-/// A viewer wants to play: also where the scene by itself has nobody.
+/// A person at a window wants to play, so a scene gets a player even if it has none by default.
 void add_default_players(Options& options) {
     const SceneInfo* info = options.asset_file.empty() ? find_scene(options.source) : nullptr;
     if (info == nullptr) return;
@@ -175,7 +175,7 @@ std::variant<Options, int> parse_options(int argc, char** argv) {
         return 2;
     }
     options.source_given = app.count("source") != 0;
-    if (options.compare && !options.source_given) options.source = "two-blocks"; // the thesis' own
+    if (options.compare && !options.source_given) options.source = "two-blocks"; // the scene of the thesis
     if (options.figures) options.frame_every = 1; // each of its steps is a picture
     std::string why = contradiction(options);
     if (why.empty()) why = misplaced(app, options);

@@ -1,5 +1,5 @@
 #pragma once
-/// Turns the time of pictures into whole ticks.
+/// Converts the time of pictures to whole ticks.
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,14 @@
 
 namespace lockstone::demo {
 
-/// A fixed-step accumulator: real time goes in, whole ticks come out, and the rest tells where between two
-/// ticks the picture is. Speed changes how much time goes in, never how long a tick is.
+/// A fixed-step accumulator. It adds real time, returns whole ticks, and keeps the rest, which is the position of the
+/// picture between two ticks. Speed changes the added time, never the length of a tick.
 class StepClock {
   public:
-    static constexpr int steps_max =
-        8; ///< per picture: a slow machine shows slow motion, not a frozen window
+    /// Maximum per picture: a slow machine shows slow motion, not a frozen window.
+    static constexpr int steps_max = 8;
 
-    /// The ticks to run now. `tick_rate` [1/s].
+    /// The number of ticks to run now. `tick_rate` [1/s].
     int advance(float seconds, std::uint32_t tick_rate) {
         if (paused_) {
             const int steps = single_steps_;
@@ -37,7 +37,7 @@ class StepClock {
     void single_step() { paused_ = true, ++single_steps_; }
 
     float speed() const { return std::ldexp(1.0f, speed_exponent_); }
-    /// The same moment, neither paused nor slowed.
+    /// A clock at this position that is neither paused nor slowed.
     StepClock at_full_speed() const {
         StepClock clock;
         clock.rest_ = rest_;

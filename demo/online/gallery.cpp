@@ -8,7 +8,8 @@ constexpr std::uint64_t polls_between_cards = 30, reopen_ms = 5000;
 } // namespace
 
 void Gallery::poll(std::uint64_t now_ms) {
-    if (room_ && !room_->poll(now_ms)) room_.reset(); // nobody came, or the relay is gone: ask again
+    // No watcher came, or the relay is gone: request a new room.
+    if (room_ && !room_->poll(now_ms)) room_.reset();
     if (!room_) open_room(now_ms);
     if (room_ && room_->token()) admit(now_ms);
     const bool tell = ++polls_ % polls_between_cards == 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// Lets others watch a match: each watcher enters a room for two at the relay, one after the other, and is a peer from then on.
+/// Admits watchers to a match. Each watcher enters a room for two at the relay, in turn, and is a peer afterwards.
 
 #include "meet/match_card.h"
 #include "meet/meeting.h"
@@ -8,18 +8,18 @@
 
 namespace lockstone::demo {
 
-/// What SpectatorHost sends through: watcher i is PeerId i + 1.
+/// The transport of SpectatorHost; watcher i is PeerId i + 1.
 class Gallery final : public Transport {
   public:
     static constexpr std::uint32_t watchers_max = 8;
 
     Gallery(const Invitation& relay, const MatchCard& card) : relay_(relay), card_(card) {}
-    /// Opens the next room when the last one is taken, tells watchers what is played. Call each frame.
+    /// Opens a new room when the last one is taken, and sends the match card to watchers. Call it each frame.
     void poll(std::uint64_t now_ms);
-    /// Of the next watcher; the code is empty while there is no room.
+    /// The invitation for the next watcher; its code is empty while no room is open.
     Invitation invitation() const { return room_ ? room_->invitation() : relay_; }
 
-    std::size_t let_in() const { return watchers_.size(); } ///< so far
+    std::size_t let_in() const { return watchers_.size(); } ///< number of watchers so far
 
     void send(PeerId to, std::span<const std::byte> bytes) override;
     std::optional<Datagram> receive() override;
@@ -32,7 +32,7 @@ class Gallery final : public Transport {
     MatchCard card_;
     std::optional<Meeting> room_;
     std::vector<std::unique_ptr<UdpTransport>> watchers_;
-    std::size_t next_ = 0; ///< whose packets are read
+    std::size_t next_ = 0; ///< index of the watcher whose packets are read next
     std::uint64_t polls_ = 0, opened_ms_ = 0;
 };
 

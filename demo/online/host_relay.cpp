@@ -27,7 +27,7 @@ Invitation HostRelay::invitation() const {
 }
 
 void HostRelay::serve() {
-    // The match, and one for each watcher of each machine.
+    // One room for the match, and one for each watcher of each machine.
     Relay relay(secret_, {.matches_max = 1 + net_players_max * Gallery::watchers_max}, cli::unix_ms());
     while (!over_) cli::serve_relay(relay, socket_, 50);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// A relay on a thread of its own, for a host who names none.
+/// A relay on a thread of its own, for a host that names no other relay.
 
 #include "meet/invitation.h"
 
@@ -11,13 +11,13 @@ namespace lockstone::demo {
 
 class HostRelay {
   public:
-    /// Listens at every address of this machine; port 0: any that is free. Errors: the system's sentence.
+    /// Listens at every address of this machine. Port 0: any free port. Errors contain the message of the system.
     static Result<std::unique_ptr<HostRelay>> start(std::uint16_t port);
     ~HostRelay();
     HostRelay(const HostRelay&) = delete;
     HostRelay& operator=(const HostRelay&) = delete;
 
-    /// From this machine; the code is empty.
+    /// An invitation with the address of this machine; the code is empty.
     Invitation invitation() const;
 
   private:
@@ -27,7 +27,7 @@ class HostRelay {
     UdpSocket socket_;
     std::uint16_t port_;
     std::atomic<bool> over_ = false;
-    std::thread thread_; ///< the last: it uses all others
+    std::thread thread_; ///< must be the last member, since it uses all others
 };
 
 } // namespace lockstone::demo

@@ -9,11 +9,12 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr std::uint32_t prediction_max = 16; ///< [ticks]: a quarter of a second may rest on guesses
+constexpr std::uint32_t prediction_max = 16; ///< [ticks]: a quarter of a second may be predicted
 constexpr std::uint64_t host_patience_ms = 20'000;
-constexpr std::uint32_t frames_settled = 60;       ///< others may need our last packets so long
-constexpr std::uint32_t frames_for_watchers = 240; ///< and watchers so much longer
-constexpr std::uint32_t frames_of_inquiry = 300;   ///< after a desync: two machines ask each other where
+constexpr std::uint32_t frames_settled = 60;       ///< others may need the last packets for so long
+constexpr std::uint32_t frames_for_watchers = 240; ///< additional frames for watchers
+/// Frames after a desync in which the machines locate the difference.
+constexpr std::uint32_t frames_of_inquiry = 300;
 constexpr std::uint64_t frames_between_cards = 10;
 
 std::string number(std::uint64_t n) { return std::to_string(n); }
@@ -104,7 +105,7 @@ void OnlineMatch::meet(std::uint64_t now_ms) {
 }
 
 void OnlineMatch::enter(std::uint64_t now_ms) {
-    while (packets_->receive()) {} // sessions' packets come again
+    while (packets_->receive()) {} // drops packets of sessions: they are sent again
     if (!packets_->card(0)) {
         if (now_ms - entered_ms_ > host_patience_ms)
             fail("the host of the code " + invitation().code + " does not answer through the relay at " +
@@ -137,7 +138,8 @@ Status OnlineMatch::start_session() {
         played_ = std::make_unique<PlantedGame>(std::move(*again), *plant_);
     }
     std::unique_ptr<SpectatorHost> watched;
-    if (!watches_) { // every machine that plays shows the match: it is watched on when one has left
+    // Every machine that plays also shows the match, so that watchers can go on when one machine has left.
+    if (!watches_) {
         Invitation relay = invitation();
         relay.code.clear();
         gallery_.emplace(relay, card_);
@@ -179,7 +181,7 @@ void OnlineMatch::play_tick(std::uint64_t now_ms, InputMap* people) {
     }
 }
 
-/// Several ticks a frame while there are some to catch up with.
+/// Runs several ticks in a frame while it has to catch up.
 void OnlineMatch::watch(std::uint64_t now_ms) {
     stall_ = play_->runner.frame(now_ms).stall;
     const std::uint64_t ticks = log_.hashes().size();
@@ -197,7 +199,7 @@ void OnlineMatch::settle_when_done(bool confirmed) {
     if (phase_ == Phase::settled && ++frames_settled_ > frames && !desync_tick_) phase_ = Phase::over;
 }
 
-/// To whoever has not begun: what is lost is told again.
+/// Sends the match card again and again to machines that have not begun, because packets may be lost.
 void OnlineMatch::tell_the_game() {
     for (PeerId peer = 1; peer < machines_ && frames_ % frames_between_cards == 0; ++peer)
         if (!play_->session->quality(peer).connected) packets_->send(peer, to_bytes(card_));
@@ -210,7 +212,8 @@ void OnlineMatch::tune_delay() {
     play_->session->set_input_delay(delay_.update(others));
 }
 
-/// A person has this machine's first player, and each further one whose gamepad or keys are used; bots have the rest.
+/// A person controls the first player of this machine, and each further one whose gamepad or keys are used. Scripts
+/// control the rest.
 void OnlineMatch::add_inputs(InputMap* people) {
     const std::uint64_t tick = play_->session->current_tick();
     std::size_t seat = 0;
@@ -228,7 +231,8 @@ void OnlineMatch::add_inputs(InputMap* people) {
 
 void OnlineMatch::read_notices() {
     while (const std::optional<Notice> notice = play_->session->next_notice()) take_notice(*notice);
-    if (!told_.empty() && ++frames_since_told_ > frames_settled) fail(told_); // the other one still asks
+    // The other machine may still send questions.
+    if (!told_.empty() && ++frames_since_told_ > frames_settled) fail(told_);
     if (desync_tick_ && told_.empty() && phase_ != Phase::failed &&
         (watches_ || ++frames_since_desync_ > frames_of_inquiry))
         fail("the worlds differ from tick " + number(*desync_tick_) + " on" +
@@ -300,7 +304,7 @@ Result<std::optional<OnlineMatch::Recorded>> OnlineMatch::finish() {
     if (play_ == nullptr || log_.hashes().empty()) return std::optional<Recorded>();
     if (const Status closed = log_.close(); !closed) return closed.error();
     std::vector<std::byte> bytes = log_.replay();
-    play_.reset(); // it uses the rules
+    play_.reset(); // it refers to the rules
     return std::optional<Recorded>({std::move(bytes), std::move(rules_)});
 }
 

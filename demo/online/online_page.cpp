@@ -14,10 +14,10 @@ namespace {
 
 using Phase = OnlineMatch::Phase;
 
-constexpr std::uint32_t tick_rate_default = 60; ///< while the game is not known
+constexpr std::uint32_t tick_rate_default = 60; ///< until the game is known
 constexpr std::size_t sentence_letters = 84;    ///< of a line of an error
 
-/// Broken at spaces.
+/// Breaks a text into lines at spaces.
 std::vector<std::string> in_lines(std::string text) {
     std::vector<std::string> lines;
     while (text.size() > sentence_letters) {
@@ -70,9 +70,9 @@ class OnlinePage final : public Page {
     Stage& stage_;
     std::unique_ptr<OnlineMatch> match_;
     bool people_play_;
-    bool in_real_time_; ///< a window's clock calls tick; else it waits itself
+    bool in_real_time_; ///< a window's clock calls tick; else the page waits itself
     std::string record_file_, watch_code_;
-    std::optional<replay::FileSink> file_; ///< from the start of the match on
+    std::optional<replay::FileSink> file_; ///< set from the start of the match
     bool written_ = false, report_told_ = false;
     std::optional<std::chrono::steady_clock::time_point> next_tick_;
     bool code_told_ = false, seen_ = false, ended_ = false;
@@ -102,12 +102,13 @@ Status OnlinePage::tick() {
     return {};
 }
 
-/// Machines that are not in step wait for each other, so nobody may run as fast as it can.
+/// All machines must run at the same pace, so without a window the page waits for the time of the next tick.
 void OnlinePage::keep_time() {
     if (in_real_time_) return;
     const auto now = std::chrono::steady_clock::now();
     next_tick_ = next_tick_.value_or(now) + std::chrono::microseconds(1'000'000 / tick_rate());
-    if (now - *next_tick_ > std::chrono::seconds(1)) next_tick_ = now; // too late to catch up
+    // Drops lost time of more than a second.
+    if (now - *next_tick_ > std::chrono::seconds(1)) next_tick_ = now;
     std::this_thread::sleep_until(*next_tick_);
 }
 
@@ -136,7 +137,7 @@ bool OnlinePage::finished() const {
            (match_->phase() == Phase::failed && !stays_for_reading);
 }
 
-/// A match has begun: what the file held before is given up now, and not before.
+/// Creates the file when a match has begun. Until then an old file of that name is kept.
 Status OnlinePage::begin_recording() {
     if (record_file_.empty() || file_) return {};
     Result<replay::FileSink> created = replay::FileSink::create(record_file_);
@@ -145,7 +146,7 @@ Status OnlinePage::begin_recording() {
     return {};
 }
 
-/// Whatever ended the match: its confirmed ticks show the reason.
+/// Writes the recording, whatever ended the match: its confirmed ticks show the reason.
 Status OnlinePage::write_recording() {
     if (!file_ || written_) return {};
     written_ = true;
@@ -186,7 +187,7 @@ Verdict OnlinePage::verdict() const {
 }
 
 void OnlinePage::control(const Input& input, const Moment& moment) {
-    // The others do not stop, so this machine cannot.
+    // The other machines do not pause, so this machine must not pause either.
     stage_.clock = stage_.clock.at_full_speed();
     if (input.pressed(Key::enter)) ended_ = match_->world() != nullptr && tick_count() != 0;
     rig_.control(input, view_, moment.size.y * moment.pixel_scale, moment.seconds,
@@ -266,7 +267,7 @@ void OnlinePage::add_session(TextPanel& panel) const {
     if (!match_->notices().empty()) panel.line(match_->notices().back(), ink::amber);
 }
 
-/// While nobody plays yet, whoever is to be invited has to be told how.
+/// Until the match starts, shows the command with which others join.
 void OnlinePage::draw_invitation(Frame& frame, const Moment& moment) const {
     if (!match_->is_host() || match_->invitation().code.empty() || !match_->error().empty()) return;
     TextPanel panel(moment, {0, 0});

@@ -1,13 +1,13 @@
 #pragma once
-/// A match over UDP as one of its machines sees it. Followed by the page that plays the recording back.
+/// The page of one machine of a match over UDP. The next page plays the recording.
 
 #include "options.h"
 #include "pages/page.h"
 
 namespace lockstone::demo {
 
-/// Of --host and --join. `stage` outlives the page. Errors: no such scene, an invitation that is none, a port that is taken;
-/// or that this program was built without lockstone::net.
+/// Opens the page for --host, --join or --watch. `stage` must outlive the page. Errors: no such scene, a bad
+/// invitation, a port in use, or a program that was built without lockstone::net.
 Result<std::unique_ptr<Page>> open_online_page(const Options& options, Stage& stage);
 
 } // namespace lockstone::demo

@@ -1,6 +1,6 @@
 #pragma once
-/// A game with a fault on purpose: in one tick it gives the players a push that the rules know nothing of. A machine
-/// that plays it parts from the others, and has to be told so.
+/// A game with a fault on purpose. In one tick it gives the players a push that is not in the rules. A machine that
+/// plays it diverges from the others, and the session must report a desync.
 
 #include "scenes/scenes.h"
 

@@ -1,4 +1,4 @@
-// In place of compare_page.cpp where the thesis' engine (tools/reference) is not built: it needs FCL.
+// Replaces compare_page.cpp in builds without the thesis' engine (tools/reference), which needs FCL.
 #include "compare_page.h"
 
 namespace lockstone::demo {

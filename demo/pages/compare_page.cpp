@@ -18,7 +18,8 @@ namespace {
 
 constexpr float reach_min = 6;       ///< [m]
 constexpr float charts_height = 164; ///< [design px]
-constexpr double apart = 0.01; ///< [m]: the verdict names the first tick at which both are farther apart
+/// [m]: the verdict names the first tick at which a body is farther than this from its counterpart.
+constexpr double apart = 0.01;
 const glm::vec4 ours_ink = ink::blue, thesis_ink(1.0f, 0.55f, 0.15f, 1);
 
 glm::vec3 to_glm(const reference::Vec& v) { return {v.x, v.y, v.z}; }
@@ -30,7 +31,7 @@ glm::mat4 to_glm(const reference::Pose& pose) {
     return out;
 }
 
-/// "energy             203 J     464 J".
+/// A row of the panel: "energy             203 J     464 J".
 std::string row(const char* name, double ours, double thesis, const char* unit) {
     char text[128];
     std::snprintf(text, sizeof text, "%-12s%14s%14s", name, format_unit(ours, unit).c_str(),
@@ -39,7 +40,7 @@ std::string row(const char* name, double ours, double thesis, const char* unit) 
 }
 double length(const reference::Vec& v) { return std::hypot(v.x, v.y, v.z); }
 
-/// "3.2 mm".
+/// For example "3.2 mm".
 std::string format_length(double metres) {
     if (!std::isfinite(metres)) return "infinitely far";
     if (metres < 1e-3) return format_number(metres * 1e6, 1) + " \u00b5m";
@@ -63,7 +64,7 @@ class ComparePage final : public Page {
     struct Cage {
         glm::mat4 previous{1}, current{1};
         std::vector<Edge> edges; ///< in the body's frame
-        float radius = 0;        ///< around its origin [m]
+        float radius = 0;        ///< distance of the farthest point from the body's origin [m]
     };
     void measure();
     void read_cages();
@@ -76,12 +77,12 @@ class ComparePage final : public Page {
     std::uint32_t tick_rate_;
     std::uint64_t ticks_;
     reference::Sample now_;
-    std::vector<double> energy_ours_, energy_theirs_; ///< by tick, the first is the start [J]
-    std::vector<double> distance_; ///< by tick: of a body in both engines, where it is greatest [m]
+    std::vector<double> energy_ours_, energy_theirs_; ///< by tick; the first entry is the start [J]
+    std::vector<double> distance_; ///< by tick: the largest distance between a body and its counterpart [m]
     bool thesis_shown_ = true;
-    float reach_ = 0;         ///< outlines farther than that from the start are no part of the overview [m]
-    glm::vec3 start_{0};      ///< the middle of what moves, as it began [m]
-    std::vector<Cage> cages_; ///< of the thesis' bodies; without edges: not drawn
+    float reach_ = 0;         ///< the overview ignores outlines farther than this from the start [m]
+    glm::vec3 start_{0};      ///< centre of the moving bodies at the start [m]
+    std::vector<Cage> cages_; ///< of the thesis' bodies; a cage without edges is not drawn
     SceneView view_;
     CameraRig rig_;
 };
@@ -109,7 +110,7 @@ ComparePage::ComparePage(const Options& options, Stage& stage, reference::SideBy
     const reference::Engine& thesis = both_.theirs();
     cages_.resize(thesis.bodies().size());
     for (std::size_t i = 0; i < cages_.size(); ++i) {
-        if (!thesis.is_dynamic(i)) continue; // it stands where ours stands
+        if (!thesis.is_dynamic(i)) continue; // all other bodies have equal poses in both engines
         for (const ShapeDef& shape : thesis.shapes(i)) {
             const std::vector<Edge> edges = outline_of(shape, both_.ours().assets());
             cages_[i].edges.insert(cages_[i].edges.end(), edges.begin(), edges.end());
@@ -118,7 +119,7 @@ ComparePage::ComparePage(const Options& options, Stage& stage, reference::SideBy
             cages_[i].radius = std::max({cages_[i].radius, glm::length(from), glm::length(to)});
     }
     read_cages();
-    read_cages(); // from where they are to where they are
+    read_cages(); // twice, so that previous and current poses are equal
     measure();
     view_.reset(both_.ours());
     start_ = view_.bounds().centre();
@@ -172,7 +173,7 @@ std::vector<Frame> ComparePage::draw(const Moment& moment) {
     frame.wireframe = stage_.view.wireframe;
     view_.draw(frame, alpha, stage_, std::nullopt);
     if (thesis_shown_) draw_thesis(frame, alpha);
-    // Charts have a part of the picture to themselves: what happens on the ground must not hide behind them.
+    // The charts have a part of the picture of their own, so that they do not hide the scene.
     const bool charts = stage_.view.overlay && moment.size.y > 2 * charts_height;
     if (charts) frame.viewport.w = 1 - charts_height / moment.size.y;
     if (stage_.view.overlay) draw_overlay(frame, moment);
@@ -185,7 +186,7 @@ std::vector<Frame> ComparePage::draw(const Moment& moment) {
 void ComparePage::draw_thesis(Frame& frame, float alpha) const {
     const glm::vec3 colour(thesis_ink);
     for (const Cage& cage : cages_) {
-        // Between two ticks a corner goes straight; a matrix that is mixed so bends too little to show.
+        // Corners move in straight lines between two ticks. The error of mixing matrices is too small to see.
         const glm::mat4 place = (1 - alpha) * cage.previous + alpha * cage.current;
         for (const auto& [from, to] : cage.edges)
             frame.lines.push_back({.from = glm::vec3(place * glm::vec4(from, 1)),

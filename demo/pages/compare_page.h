@@ -1,5 +1,6 @@
 #pragma once
-/// A scene in two engines, one drawn over the other: ours solid, the thesis' as outlines; energy and distance as curves.
+/// Shows a scene in two engines: Lockstone's bodies solid, the thesis' bodies as outlines, energy and distance as
+/// curves.
 
 #include "options.h"
 #include "page.h"
@@ -8,10 +9,10 @@
 
 namespace lockstone::demo {
 
-/// `stage` outlives the page. The error says that this program has been built without the thesis' engine, that there is
-/// no such scene, or what in it that engine lacks.
+/// Opens the page. `stage` must outlive it. Errors: the program was built without the thesis' engine, there is no such
+/// scene, or the scene needs something that this engine lacks.
 Result<std::unique_ptr<Page>> open_comparison(const Options& options, Stage& stage);
-/// The same error, before a window opens for nothing.
+/// Returns that error in advance, before a window opens.
 Status check_comparison(const Options& options);
 
 } // namespace lockstone::demo

@@ -7,7 +7,8 @@ namespace lockstone::demo {
 Status ConfirmedLog::begin(const Game& game, const World& start, std::uint64_t ticks) {
     ticks_ = ticks;
     replay::RecorderOptions options;
-    options.keyframe_ticks = 0; // the world is ahead of what is confirmed, so there is no state to keep
+    // The world is ahead of the confirmed ticks, so it has no confirmed state for a keyframe.
+    options.keyframe_ticks = 0;
     Result<replay::InputRecorder> begun = replay::InputRecorder::begin(sink_, game, start, options);
     if (!begun) return begun.error();
     recorder_ = std::move(*begun);

@@ -1,5 +1,5 @@
 #pragma once
-/// What a session confirms, kept in memory as a recording.
+/// Keeps the confirmed ticks of a session in memory as a recording.
 
 #include "lockstone/session.h"
 #include "replay/recorder.h"
@@ -9,18 +9,19 @@
 
 namespace lockstone::demo {
 
-/// The confirmed timeline of one machine, kept and recorded.
+/// The confirmed timeline of one machine.
 class ConfirmedLog final : public ConfirmedSink {
   public:
-    /// Ticks from `ticks` on are left out, so that both peers' recordings end alike.
+    /// Starts the log. It ignores ticks from `ticks` on, so that the recordings of both peers end alike.
     Status begin(const Game& game, const World& start, std::uint64_t ticks);
     void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) override;
-    Status close(); ///< what is confirmed later is left out
+    Status close(); ///< the log ignores ticks that are confirmed later
 
     bool complete() const { return hashes_.size() == ticks_; }
     const std::vector<std::uint64_t>& hashes() const { return hashes_; }          ///< by tick
     const std::vector<std::vector<std::byte>>& inputs() const { return inputs_; } ///< by tick, all players
-    const std::vector<std::byte>& replay() const { return sink_.bytes; }          ///< the file, after close()
+    /// The recording file; valid after close().
+    const std::vector<std::byte>& replay() const { return sink_.bytes; }
 
   private:
     std::uint64_t ticks_ = 0;

@@ -10,9 +10,9 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr float pitch = -0.16f; ///< low, so that heights above the ground show [rad]
-constexpr float edge = 24,
-                caption = 64; ///< of the picture, kept free at the sides and at the top [design px]
+constexpr float pitch = -0.16f; ///< low, so that heights above the ground are visible [rad]
+// Margins of the picture at the sides and at the top [design px].
+constexpr float edge = 24, caption = 64;
 constexpr std::uint64_t trail_ticks = 24; ///< at most
 
 } // namespace
@@ -31,7 +31,8 @@ Result<std::unique_ptr<Page>> FiguresPage::open(const Options& options, Stage& s
     return std::unique_ptr<Page>(std::move(page));
 }
 
-/// A tick that comes out otherwise than it was recorded would make pictures of another run.
+/// Plays the recording to find the ticks. An error if a tick differs from the recording, because the pictures would
+/// show another run.
 Result<FigureTicks> FiguresPage::find_ticks() {
     Result<replay::Player> player = replay::Player::open(recorded_.recording, recorded_.game.get());
     if (!player) return player.error();
@@ -72,7 +73,8 @@ Status FiguresPage::go_to(std::size_t figure) {
     return {};
 }
 
-/// Ends at the first figure.
+/// Collects the corners of all four figures. Goes from the last figure to the first, so that the player ends at the
+/// first one.
 Status FiguresPage::find_corners() {
     for (std::size_t i = figures_.size(); i-- > 0;) {
         if (const Status status = go_to(i); !status) return status;
@@ -84,10 +86,10 @@ Status FiguresPage::find_corners() {
     return {};
 }
 
-/// One camera for all four, so that they can be compared: as near as it can be, and at right angles to the way on which
-/// the blocks fly apart.
+/// One camera for all four pictures, so that they can be compared. It is as near as possible and looks at right angles
+/// to the direction in which the blocks fly apart.
 void FiguresPage::fit_camera(const glm::vec2& size) {
-    if (size == fitted_size_) return; // or it was moved by hand since
+    if (size == fitted_size_) return; // keep the camera if it was moved by hand
     fitted_size_ = size;
     Bounds all;
     for (const glm::vec3& corner : corners_) all.add(corner);
@@ -133,7 +135,7 @@ std::vector<Frame> FiguresPage::draw(const Moment& moment) {
     return {std::move(frame)};
 }
 
-/// The way on which each block came here; the older, the thinner.
+/// The recent path of each block; older parts are thinner.
 void FiguresPage::draw_trails(Frame& frame) const {
     const Figure& figure = figures_[shown_ - 1];
     for (std::uint64_t t = figure.trail_from; t < figure.time; ++t)
@@ -146,7 +148,7 @@ void FiguresPage::draw_trails(Frame& frame) const {
         }
 }
 
-/// 1 is the block that meets the ground first.
+/// Number 1 is the block that touches the ground first.
 void FiguresPage::draw_numbers(Frame& frame, const Moment& moment) const {
     const Places& now = places_[figures_[shown_ - 1].time];
     for (std::size_t i = 0; i < now.size(); ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-/// The thesis' four pictures, taken from a recording: a step of this page is a picture.
+/// Draws the four pictures of the thesis from a recording. Each step of the page is a picture.
 
 #include "options.h"
 #include "page.h"
@@ -13,8 +13,8 @@ namespace lockstone::demo {
 
 class FiguresPage final : public Page {
   public:
-    /// Plays the recording up to the last of the four moments. `stage` outlives the page. The error names the file
-    /// and what it lacks: a whole recording, a tick that is bit-exact, one of the moments.
+    /// Plays the recording up to the last of the four moments. `stage` must outlive the page. The error names the file
+    /// and the problem: the recording is not complete, a tick is not bit-exact, or one of the moments does not occur.
     static Result<std::unique_ptr<Page>> open(const Options& options, Stage& stage);
 
     std::string_view name() const override { return "figure"; }
@@ -29,11 +29,11 @@ class FiguresPage final : public Page {
 
   private:
     struct Figure {
-        std::uint64_t time; ///< the state after that many ticks
+        std::uint64_t time; ///< the state after this many ticks
         const char* caption;
-        std::uint64_t trail_from; ///< the time at which its trails begin
+        std::uint64_t trail_from; ///< time of the start of its trails
     };
-    using Places = std::array<glm::vec3, 2>; ///< of the middles of both blocks
+    using Places = std::array<glm::vec3, 2>; ///< centres of both blocks
 
     FiguresPage(RecordedGame recorded, Stage& stage) : stage_(stage), recorded_(std::move(recorded)) {}
     Result<FigureTicks> find_ticks();
@@ -50,12 +50,12 @@ class FiguresPage final : public Page {
     RecordedGame recorded_;
     std::optional<replay::Player> player_; ///< refers to the recording and the game
     std::array<Figure, 4> figures_{};
-    std::size_t shown_ = 0;      ///< how many were; the last of them is on the screen
+    std::size_t shown_ = 0;      ///< number of shown figures; the last of them is on the screen
     std::vector<Places> places_; ///< by time
     SceneView view_;
-    std::vector<glm::vec3> corners_; ///< of the boxes around the blocks in all four
+    std::vector<glm::vec3> corners_; ///< of the boxes around the blocks in all four figures
     Camera camera_;
-    glm::vec2 fitted_size_{0}; ///< of the picture that the camera was fitted to [design px]
+    glm::vec2 fitted_size_{0}; ///< picture size for which the camera was placed [design px]
 };
 
 } // namespace lockstone::demo

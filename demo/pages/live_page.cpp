@@ -9,7 +9,7 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr std::uint64_t keyframe_ticks = 120; ///< two seconds: scrubbing feels immediate
+constexpr std::uint64_t keyframe_ticks = 120; ///< two seconds, so that seeking in the replay is immediate
 
 constexpr const char* ending_keys = "Enter ends the game and plays it back";
 
@@ -73,8 +73,8 @@ Status LivePage::tick() {
     std::array<std::array<std::byte, sizeof(ArenaInput)>, InputMap::seat_count> seats;
     for (std::size_t p = 0; people_play_ && p < inputs.size() && p < seats.size(); ++p) {
         seats[p] = encode_input(input_map_.take(p));
-        if (p == 0 || input_map_.used(p))
-            inputs[p].bytes = seats[p]; // who never came is played by the script
+        // The script plays for seats that no person has used.
+        if (p == 0 || input_map_.used(p)) inputs[p].bytes = seats[p];
     }
     const auto begin = std::chrono::steady_clock::now();
     if (Status s = game_->advance(world_, inputs); !s) return s;

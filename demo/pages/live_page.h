@@ -1,5 +1,5 @@
 #pragma once
-/// A game that is being played: by people, by its script or from a file, and recorded while it runs.
+/// Plays a game, from a person's inputs, its script or a file, and records it.
 
 #include "camera_rig.h"
 #include "cli/input_source.h"
@@ -12,10 +12,11 @@
 
 namespace lockstone::demo {
 
-/// Followed by the page that plays the recording back.
+/// The next page plays the recording.
 class LivePage final : public Page {
   public:
-    /// `stage` outlives the page. Errors: no such scene, bad options, a file that cannot be read or written.
+    /// Opens the page. `stage` must outlive it. Errors: no such scene, bad options, a file that cannot be read or
+    /// written.
     static Result<std::unique_ptr<Page>> open(const Options& options, Stage& stage);
 
     std::string_view name() const override { return "play"; }
@@ -39,10 +40,10 @@ class LivePage final : public Page {
     World world_;
     cli::InputSource source_;
     bool people_play_;
-    std::uint64_t ticks_; ///< how many to play
+    std::uint64_t ticks_; ///< number of ticks to play
     bool ended_ = false;
 
-    std::string record_file_; ///< empty: to memory
+    std::string record_file_; ///< empty: records to memory
     std::unique_ptr<replay::Sink> sink_;
     std::optional<replay::InputRecorder> recorder_;
 

@@ -5,8 +5,8 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr std::uint32_t prediction_max = 16; ///< [ticks]: a quarter of a second may rest on guesses
-constexpr std::uint32_t input_delay = 1;     ///< [ticks]: small, so that there is something to roll back
+constexpr std::uint32_t prediction_max = 16; ///< [ticks]: a quarter of a second may be predicted
+constexpr std::uint32_t input_delay = 1;     ///< [ticks]: small, so that rollbacks occur
 constexpr std::uint64_t stuck_frames = 1200;
 
 std::vector<PeerId> homes_of_players(std::uint32_t players) {

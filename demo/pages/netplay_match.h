@@ -1,6 +1,6 @@
 #pragma once
-/// One game on two machines in one process: two worlds, two rollback sessions, a simulated network between
-/// them. It decides nothing about the game; it hands inputs to the sessions and keeps account of them.
+/// A match of two machines in one process: two worlds, two rollback sessions, and a simulated network. It contains no
+/// game logic: it passes inputs to the sessions and counts events.
 
 #include "cli/input_source.h"
 #include "confirmed_log.h"
@@ -26,9 +26,9 @@ struct Peer {
     SessionRunner runner;
     cli::InputSource inputs;
 
-    std::uint32_t wait = 0;           ///< frames to skip, so that the other catches up
+    std::uint32_t wait = 0;           ///< frames to skip, so that the other peer catches up
     Stall stall = Stall::none;        ///< of the last frame
-    std::deque<std::uint32_t> depths; ///< of the last frames' rollbacks, 0 for none; the newest last
+    std::deque<std::uint32_t> depths; ///< rollback depths of the last frames, 0 for none; the newest last
     std::uint32_t last_depth = 0;     ///< of the last rollback
     std::uint64_t frames_since_rollback = 1000;
     std::array<std::uint64_t, 3> events{}; ///< by EventStatus
@@ -39,11 +39,11 @@ struct Peer {
 class NetplayMatch {
   public:
     static constexpr std::uint32_t peer_count = 2;
-    static constexpr std::size_t history = 120; ///< frames kept in Peer::depths
+    static constexpr std::size_t history = 120; ///< number of frames in Peer::depths
 
     static Result<std::unique_ptr<NetplayMatch>> create(const Options& options, std::uint64_t ticks);
 
-    /// A sixtieth of a second (or what the game's rate says) on both machines. `people` may be null.
+    /// Runs one frame (a tick's time) on both machines. `people` may be null: then scripts play.
     void frame(InputMap* people);
     bool finished() const;
     void set_link(std::uint32_t latency_ms, std::uint32_t loss_percent);
@@ -54,15 +54,15 @@ class NetplayMatch {
     std::uint32_t latency_ms() const { return latency_ms_; }
     std::uint32_t loss_percent() const { return loss_percent_; }
     const Peer& peer(std::uint32_t index) const { return *peers_[index]; }
-    bool stuck() const; ///< the peers have stopped confirming ticks
+    bool stuck() const; ///< true if the peers have stopped confirming ticks
 
     struct Agreement {
-        std::uint64_t compared = 0; ///< ticks that both peers have confirmed
-        std::uint64_t hashes = 0;   ///< of them with equal hashes
-        std::uint64_t inputs = 0;   ///< of them with equal inputs
+        std::uint64_t compared = 0; ///< number of ticks that both peers have confirmed
+        std::uint64_t hashes = 0;   ///< number of these with equal hashes
+        std::uint64_t inputs = 0;   ///< number of these with equal inputs
     };
     const Agreement& agreement() const { return agreement_; }
-    /// Closes the recordings and compares them.
+    /// Closes the recordings of both peers and compares them.
     bool replays_identical();
 
   private:

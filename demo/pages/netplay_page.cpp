@@ -12,7 +12,7 @@ constexpr float flash_frames = 15;
 
 constexpr const char* link_keys = "- = less or more latency   9 0 less or more loss";
 
-/// White hot right after it happened, then back to its own colour.
+/// Mixes the colour with `hot` right after an event, and fades back.
 glm::vec4 flash(const glm::vec4& colour, const glm::vec4& hot, std::uint64_t frames_since) {
     return glm::mix(hot, colour, std::min(static_cast<float>(frames_since) / flash_frames, 1.0f));
 }
@@ -122,7 +122,7 @@ void NetplayPage::draw_peer(Frame& frame, std::uint32_t index, const Moment& mom
     panel.draw(frame);
 }
 
-/// A bar per frame: how many ticks were run again.
+/// A bar per frame: its height is the number of re-simulated ticks.
 void NetplayPage::draw_rollbacks(Frame& frame, const Peer& peer, const Moment& moment) const {
     constexpr float bar = 3, unit = 3, bottom = 116;
     const glm::vec2 size = viewport_size(frame, moment);

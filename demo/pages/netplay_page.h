@@ -1,5 +1,5 @@
 #pragma once
-/// Two rollback peers side by side: each half shows the world as that peer predicts it.
+/// Two rollback peers side by side. Each half shows the world as that peer predicts it.
 
 #include "camera_rig.h"
 #include "netplay_match.h"
@@ -11,7 +11,7 @@ namespace lockstone::demo {
 
 class NetplayPage final : public Page {
   public:
-    /// `stage` outlives the page.
+    /// Opens the page. `stage` must outlive it.
     static Result<std::unique_ptr<Page>> open(const Options& options, Stage& stage);
 
     std::string_view name() const override { return "netplay"; }
@@ -29,7 +29,7 @@ class NetplayPage final : public Page {
         CameraRig rig;
     };
     NetplayPage(const Options& options, Stage& stage, std::unique_ptr<NetplayMatch> match);
-    Status finish(); ///< closes and compares the recordings, writes one if asked to
+    Status finish(); ///< closes and compares the recordings, writes one if the options name a file
     Frame draw_half(std::uint32_t index, const Moment& moment);
     void draw_peer(Frame& frame, std::uint32_t index, const Moment& moment) const;
     void draw_rollbacks(Frame& frame, const Peer& peer, const Moment& moment) const;

@@ -1,4 +1,4 @@
-// In place of the folder online where lockstone::net is not built: it needs libsodium.
+// Replaces the folder online in builds without lockstone::net, which needs libsodium.
 #include "online/online_page.h"
 
 namespace lockstone::demo {

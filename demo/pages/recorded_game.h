@@ -11,10 +11,11 @@ namespace lockstone::demo {
 
 struct RecordedGame {
     replay::Recording recording;
-    std::unique_ptr<Game> game; ///< null if the recording holds commands, which need none
+    std::unique_ptr<Game> game; ///< null for a recording of commands, which needs no game
 };
 
-/// Of a file. What a crash has cut off is named on stderr. The error names the file, the place and the reason.
+/// Opens a recording from a file. If the file was cut by a crash, stderr says what is missing. The error names the
+/// file, the place and the reason.
 Result<RecordedGame> open_recording(const std::string& path);
 
 } // namespace lockstone::demo

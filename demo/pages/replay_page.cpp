@@ -9,7 +9,7 @@
 namespace lockstone::demo {
 namespace {
 
-/// Per picture, so that a long way does not freeze the window
+/// Time per picture, so that a long seek does not freeze the window.
 constexpr std::chrono::milliseconds seek_budget(12);
 
 constexpr const char* page_keys = "Space play or pause   Left, Right one tick   with shift a second\n"
@@ -84,7 +84,7 @@ void ReplayPage::seek(std::uint64_t to) {
     if (const Status status = player_->seek_keyframe(keyframe); !status) failure_ = status.error().message;
 }
 
-/// Every tick on the way is compared, too.
+/// Runs ticks towards the target of a seek. Every tick on the way is compared.
 void ReplayPage::work_on_seek() {
     if (!target_) return;
     const auto begin = std::chrono::steady_clock::now();

@@ -1,5 +1,5 @@
 #pragma once
-/// A recording that is played: every tick is simulated again and its hash compared with the recorded one.
+/// Plays a recording: simulates every tick again and compares its hash with the recorded one.
 
 #include "camera_rig.h"
 #include "options.h"
@@ -13,9 +13,10 @@ namespace lockstone::demo {
 
 class ReplayPage final : public Page {
   public:
-    /// Of a file. `stage` outlives the page. The error names the file, the place and the reason.
+    /// Opens a file. `stage` must outlive the page. The error names the file, the place and the reason.
     static Result<std::unique_ptr<Page>> open(const Options& options, Stage& stage);
-    /// `game` may be null if the recording holds commands. `rig`, if not null, is where the camera stands.
+    /// Opens a recording in memory. `game` may be null for a recording of commands. `rig`: the camera to begin with;
+    /// may be null.
     static Result<std::unique_ptr<Page>> open(replay::Recording recording, std::unique_ptr<Game> game,
                                               Stage& stage, const CameraRig* rig);
 
@@ -30,7 +31,7 @@ class ReplayPage final : public Page {
 
   private:
     ReplayPage(replay::Recording recording, std::unique_ptr<Game> game, Stage& stage);
-    void step(); ///< and compare
+    void step(); ///< runs a tick and compares its hash
     void seek(std::uint64_t to);
     void work_on_seek();
     std::optional<std::uint64_t> key_target(const Input& input) const;
@@ -41,12 +42,12 @@ class ReplayPage final : public Page {
     replay::Recording recording_;
     std::unique_ptr<Game> game_;
     std::optional<replay::Player> player_; ///< refers to the recording and the game
-    std::uint64_t last_;                   ///< time to play to
+    std::uint64_t last_;                   ///< time of the last tick to play
     std::vector<TickCheck> checks_;        ///< of tick start + i
-    std::uint64_t good_ = 0, bad_ = 0;     ///< ticks
+    std::uint64_t good_ = 0, bad_ = 0;     ///< number of ticks
     std::optional<std::uint64_t> first_bad_;
-    std::uint64_t first_bad_hash_ = 0; ///< what came out there
-    std::string failure_;              ///< the sentence that stopped the player
+    std::uint64_t first_bad_hash_ = 0; ///< the hash that the re-simulation produced
+    std::string failure_;              ///< the error that stopped the player
     std::optional<std::uint64_t> target_;
 
     Timeline timeline_;

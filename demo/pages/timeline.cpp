@@ -22,7 +22,7 @@ float x_of(const Bar& bar, const TimelineContent& content, std::uint64_t time) {
     return bar.left + bar.width * static_cast<float>(time - content.start) / length;
 }
 
-/// Worst first, so that one wrong tick among thousands shows.
+/// The worst check of a range of ticks, so that one wrong tick among thousands is visible.
 TickCheck worst(std::span<const TickCheck> checks) {
     if (std::find(checks.begin(), checks.end(), TickCheck::differs) != checks.end())
         return TickCheck::differs;
@@ -46,7 +46,7 @@ std::optional<std::uint64_t> Timeline::drag(const Input& input, const Moment& mo
            static_cast<std::uint64_t>(std::lround(share * static_cast<float>(content.end - content.start)));
 }
 
-/// One rectangle per run of equal pixels.
+/// Draws one rectangle per run of equal pixels.
 void Timeline::draw_checks(Frame& frame, const Moment& moment, const TimelineContent& content) {
     const Bar bar = bar_of(moment);
     const auto columns = static_cast<std::size_t>(bar.width);

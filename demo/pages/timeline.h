@@ -1,5 +1,5 @@
 #pragma once
-/// The bar along the lower edge that shows where a replay stands and lets the mouse take it elsewhere.
+/// The bar along the lower edge. It shows the current time of a replay and lets the mouse change it.
 
 #include "page.h"
 
@@ -10,9 +10,9 @@
 
 namespace lockstone::demo {
 
-/// What is known of a tick of a recording.
+/// The result of checking a tick of a recording.
 enum class TickCheck : std::uint8_t {
-    unknown,   ///< not run yet
+    unknown,   ///< not simulated yet
     bit_exact, ///< the re-simulated state has the recorded hash
     differs,
 };
@@ -26,11 +26,11 @@ struct TimelineContent {
 
 class Timeline {
   public:
-    /// The time that the mouse has taken hold of, while it does.
+    /// The time at which the mouse holds the bar; empty while it does not.
     std::optional<std::uint64_t> drag(const Input& input, const Moment& moment,
                                       const TimelineContent& content);
     void draw(Frame& frame, const Moment& moment, const TimelineContent& content) const;
-    /// How much of the picture's lower edge it takes [design px].
+    /// The height of the bar at the picture's lower edge [design px].
     static constexpr float height = 58;
 
   private:

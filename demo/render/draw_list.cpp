@@ -8,7 +8,7 @@
 namespace lockstone::demo {
 namespace {
 
-/// Width of a box's rounded edge: enough to catch the light, too little to look like another shape [m].
+/// The width of a box's rounded edge: large enough to reflect light, too small to change the look of the shape [m].
 float bevel(const glm::vec3& half_extents) {
     return std::min(0.05f * std::min({half_extents.x, half_extents.y, half_extents.z}), 0.03f);
 }
@@ -31,7 +31,7 @@ glm::vec4 scale_radius(const Instance& instance) {
     return {size, 0};
 }
 
-/// From the origin to the farthest point [m].
+/// The distance from the origin to the farthest point [m].
 float bounding_radius(const Instance& instance) {
     const glm::vec3& size = instance.size;
     switch (instance.kind) {
@@ -81,7 +81,7 @@ const Mesh& ShapeLibrary::mesh(ShapeKind kind) const {
     case ShapeKind::capsule:
         break;
     }
-    return capsule_; // a sphere is a capsule without a middle
+    return capsule_; // a sphere is a capsule of length 0
 }
 
 DrawList::DrawList() : buffer_(GlBuffer::make()) {}
@@ -119,8 +119,8 @@ void DrawList::add_shapes(const Frame& frame, const ShapeLibrary& library) {
 }
 
 void DrawList::add_objects(const Frame& frame) {
-    // Equal models and materials next to each other, so that each part of a model is one call. The order of
-    // pointers is fine here: it can change the order of calls, not the picture.
+    // Sorts by model and material, so that each part of a model is one draw call. Sorting by pointers is correct here:
+    // it changes the order of calls, not the picture.
     std::vector<const Object*> sorted;
     for (const Object& object : frame.objects) sorted.push_back(&object);
     const auto key = [](const Object* object) {

@@ -9,7 +9,7 @@
 
 namespace lockstone::demo {
 
-/// One call: `count` records from `first`.
+/// One draw call: `count` records from `first`.
 struct Batch {
     const Mesh* mesh = nullptr;
     const Material* material = nullptr;
@@ -31,7 +31,7 @@ class ShapeLibrary {
     std::array<Material, shape_kind_count> materials_;
 };
 
-/// Rebuilt for each frame; keeps its memory. Move-only.
+/// The draw calls of a frame. Rebuilt for each frame; keeps its memory. Move-only.
 class DrawList {
   public:
     DrawList();
@@ -41,7 +41,7 @@ class DrawList {
 
     const std::vector<Batch>& batches() const { return batches_; }
 
-    /// World bounding spheres of what casts shadows: centre xyz, radius w [m].
+    /// World bounding spheres of the objects that cast shadows: centre xyz, radius w [m].
     const std::vector<glm::vec4>& casters() const { return casters_; }
 
     void draw(const Batch& batch) const { batch.mesh->draw(buffer_, batch.first, batch.count); }

@@ -11,7 +11,7 @@
 namespace lockstone::demo {
 namespace {
 
-/// ASCII, the upper half of Latin-1 and a few symbols, as far as the font has them.
+/// ASCII, the upper half of Latin-1 and a few symbols, if the font has them.
 std::vector<char32_t> code_points() {
     std::vector<char32_t> codes;
     for (char32_t code = 0x20; code < 0x7F; ++code) codes.push_back(code);
@@ -21,7 +21,7 @@ std::vector<char32_t> code_points() {
     return codes;
 }
 
-/// Bytes of a UTF-8 sequence by its first byte; 0 if none starts so.
+/// The number of bytes of a UTF-8 sequence with this first byte; 0 if it is no valid first byte.
 std::size_t sequence_length(unsigned lead) {
     if (lead < 0x80) return 1;
     if (lead >> 5 == 0x06) return 2;
@@ -30,7 +30,7 @@ std::size_t sequence_length(unsigned lead) {
     return 0;
 }
 
-/// Coverage of one cell.
+/// The coverage values of one cell.
 using Cell = std::vector<std::uint8_t>;
 
 /// Draws the glyph of `code` into `cell`; false if the font lacks it. `baseline` counts from the top [px].
@@ -40,7 +40,7 @@ bool draw_glyph(const stbtt_fontinfo& info, char32_t code, float scale, int base
     if (index == 0) return false;
     int x = 0, y = 0, x_end = 0, y_end = 0;
     stbtt_GetGlyphBitmapBox(&info, index, scale, scale, &x, &y, &x_end, &y_end);
-    // What would leave its cell is cut, as box-drawing signs do by design.
+    // Parts outside of the cell are cut; box-drawing characters exceed it by design.
     const int left = std::clamp(x, 0, size.x), top = std::clamp(baseline + y, 0, size.y);
     const int width = std::min(x_end - x, size.x - left), height = std::min(y_end - y, size.y - top);
     if (width > 0 && height > 0)
@@ -79,13 +79,13 @@ Font::Atlas Font::draw(std::span<const std::uint8_t> ttf, int line_height) {
     const float wanted = stbtt_ScaleForPixelHeight(&info, static_cast<float>(line_height));
     atlas.cell = {std::max(3, static_cast<int>(std::lround(wanted * static_cast<float>(advance)))),
                   line_height};
-    // The advance becomes whole pixels, so every letter of a line falls on the same part of a pixel.
+    // The advance is a whole number of pixels, so that all letters of a line have the same subpixel position.
     const float scale = static_cast<float>(atlas.cell.x) / static_cast<float>(advance);
     const auto baseline = static_cast<int>(std::lround(0.5f * static_cast<float>(line_height) +
                                                        0.5f * scale * static_cast<float>(ascent + descent)));
 
     constexpr int columns = 16;
-    constexpr int gap = 1; // keeps a neighbour's edge out of the filter
+    constexpr int gap = 1; // keeps the filter from reading the neighbouring cell
     const std::vector<char32_t> codes = code_points();
     const glm::ivec2 pitch = atlas.cell + gap;
     // One cell more than there are codes: the white one.

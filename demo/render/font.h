@@ -18,8 +18,7 @@ struct GlyphBox {
     glm::vec2 max{0};
 };
 
-/// All glyphs of one size, in cells of equal size, made for drawing at whole pixels without scaling.
-/// Move-only.
+/// All glyphs of one size, in cells of equal size, to be drawn at whole pixels without scaling. Move-only.
 class Font {
   public:
     /// `ttf` is the content of a monospace TrueType file, `line_height` the height of a cell [px], at
@@ -32,7 +31,7 @@ class Font {
     /// The glyph of a Unicode code point, or that of '?'.
     const GlyphBox& glyph(char32_t code) const;
 
-    /// A spot where the atlas is white, for filled rectangles.
+    /// A white spot of the atlas, for filled rectangles.
     const glm::vec2& white() const { return white_; }
 
     const Texture& texture() const { return texture_; }
@@ -48,7 +47,7 @@ class Font {
     Texture texture_;
 };
 
-/// Takes the first code point off `text`, which must not be empty; malformed UTF-8 gives U+FFFD and loses a
+/// Removes the first code point from `text`, which must not be empty. Malformed UTF-8 returns U+FFFD and removes one
 /// byte.
 char32_t take_code_point(std::string_view& text);
 

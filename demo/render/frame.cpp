@@ -17,7 +17,7 @@ bool touches(const TextLine& line, const glm::vec2& cell, std::span<const Rect> 
 }
 
 glm::vec3 palette_colour(std::uint32_t index) {
-    // Hand-picked, then varied in lightness on each lap: computed hues of equal saturation look like toys.
+    // Colours chosen by hand, with another lightness on each lap: computed hues of equal saturation look unnatural.
     constexpr std::array<glm::vec3, 9> colours{{
         {0.88f, 0.42f, 0.30f}, // brick
         {0.27f, 0.55f, 0.74f}, // steel blue

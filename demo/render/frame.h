@@ -1,5 +1,5 @@
 #pragma once
-/// What the renderer is told to draw: plain data, made anew for each picture. Knows nothing of the engine.
+/// The input of the renderer: plain data, created for each picture. It does not depend on the engine.
 
 #include "render/assets/object.h"
 #include "render/camera/camera.h"
@@ -24,10 +24,10 @@ struct Instance {
     glm::vec3 size{0.5f};
     glm::mat4 pose{1};
     glm::vec3 colour{0.8f};
-    float highlight = 0; ///< 0 .. 1: a glowing rim, for what is selected
+    float highlight = 0; ///< 0 .. 1: a glowing rim for selected shapes
 };
 
-/// Drawn over the scene; the parts behind something are faint.
+/// A line over the scene; parts behind a surface are faint.
 struct Line {
     glm::vec3 from{0};
     glm::vec3 to{0};
@@ -35,7 +35,7 @@ struct Line {
     float width = 2; ///< [design px]
 };
 
-/// A disc facing the eye; behaves as Line does.
+/// A disc that faces the eye; hidden parts are faint, as with Line.
 struct Point {
     glm::vec3 position{0};
     glm::vec3 colour{1};
@@ -56,17 +56,19 @@ struct TextLine {
     glm::vec2 position{0}; ///< upper left corner in the viewport, from its upper left [design px]
     glm::vec4 colour{1};
     float height = 17; ///< of a line [design px]
-    /// Left out where it would touch a rect of its frame, of one line only: a name in the world.
+    /// If true, the text is not drawn where it would touch a rect of its frame; only for one line, such as a name in
+    /// the world.
     bool yields = false;
 };
 
 /// Sun and sky.
 struct Light {
     glm::vec3 to_sun{-0.55f, 0.8f, 0.5f}; ///< direction, any length but 0
-    float sun = 1;                        ///< strength, 1 is a clear noon
-    float sky = 1;                        ///< strength of the light from everywhere else
-    float haze_distance = 170;            ///< where things fade into the horizon [m]
-    float shadow_distance = 60; ///< shadows are fitted to what lies this near to the camera's focus [m]
+    float sun = 1;                        ///< strength; 1 is a clear noon
+    float sky = 1;                        ///< strength of the light from all other directions
+    float haze_distance = 170;            ///< distance at which objects fade into the horizon [m]
+    /// Shadows cover objects within this distance of the camera's focus [m].
+    float shadow_distance = 60;
     bool shadows = true;
 };
 
@@ -75,7 +77,7 @@ struct Frame {
     Camera camera;
     /// Part of the surface, as fractions from its upper left: x, y, width, height.
     glm::vec4 viewport{0, 0, 1, 1};
-    /// False: only rects and text, over what the other frames drew; for a timeline across a split screen.
+    /// False: draws only rects and text, over the other frames; for a timeline across a split screen.
     bool scene = true;
     bool wireframe = false; ///< triangle edges over the shaded picture
     Light light;
@@ -90,7 +92,7 @@ struct Frame {
 /// True if a line of letters of this size [design px] touches one of the rects.
 bool touches(const TextLine& line, const glm::vec2& cell, std::span<const Rect> rects);
 
-/// A pleasant colour for thing number `index`; neighbours differ clearly in hue.
+/// A pleasant colour for the index; the hues of neighbouring indices differ clearly.
 glm::vec3 palette_colour(std::uint32_t index);
 
 } // namespace lockstone::demo

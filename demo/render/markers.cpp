@@ -25,7 +25,7 @@ void MarkerPainter::draw(const Frame& frame, const glm::mat4& view_projection, c
     for (const Line& line : frame.lines)
         strokes_.push_back({glm::vec4(line.from, line.width * pixel_scale), glm::vec4(line.to, 0),
                             glm::vec4(line.colour, 1)});
-    // A point is a line of no length: the shader's round caps make it a disc.
+    // A point is a line of length 0: the shader's round caps make it a disc.
     for (const Point& point : frame.points)
         strokes_.push_back({glm::vec4(point.position, point.diameter * pixel_scale),
                             glm::vec4(point.position, 0), glm::vec4(point.colour, 1)});

@@ -1,5 +1,5 @@
 #pragma once
-/// Lines and points over the scene.
+/// Draws lines and points over the scene.
 
 #include "frame.h"
 #include "render/gl/gl.h"
@@ -7,13 +7,13 @@
 
 namespace lockstone::demo {
 
-/// Draws lines and points of any width, which core OpenGL does not promise. Move-only.
+/// Draws lines and points of any width, which core OpenGL does not guarantee. Move-only.
 class MarkerPainter {
   public:
     explicit MarkerPainter(ResourceManager& resources);
 
-    /// Draws into the current target: first faintly through everything, then fully where nothing hides it.
-    /// `viewport` in pixels; `pixel_scale` is physical per design pixel.
+    /// Draws into the current target: first faintly over everything, then opaque where no surface hides it. `viewport`
+    /// in pixels; `pixel_scale` is physical per design pixel.
     void draw(const Frame& frame, const glm::mat4& view_projection, const glm::vec2& viewport,
               float pixel_scale);
 

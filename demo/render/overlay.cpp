@@ -29,7 +29,8 @@ const Font& OverlayPainter::font(float line_height) {
     const int height = std::clamp(static_cast<int>(std::lround(line_height)), 6, 200);
     const auto found = fonts_.find(height);
     if (found != fonts_.end()) return found->second;
-    if (fonts_.size() == fonts_max) fonts_.clear(); // an animated size must not fill the memory
+    // Limits the memory if the size of a text changes continuously.
+    if (fonts_.size() == fonts_max) fonts_.clear();
     return fonts_.try_emplace(height, ttf_, height).first->second;
 }
 
@@ -47,7 +48,7 @@ void OverlayPainter::add_text(const TextLine& line, const Font& font, float pixe
     const glm::vec2 start = glm::round(line.position * pixel_scale);
     const float edge = std::max(1.0f, std::round(pixel_scale));
     const glm::vec4 shade(0, 0, 0, 0.55f * line.colour.a);
-    // All shades before all letters: a letter must not be darkened by its neighbour's shade.
+    // All shadows come before all letters, so that a shadow does not darken the neighbouring letter.
     for (const bool shading : {true, false}) {
         glm::vec2 pen = start;
         for (std::string_view rest = line.text; !rest.empty();) {

@@ -1,4 +1,4 @@
-/// Draws test pictures and checks that OpenGL raised no error and that no object is left.
+/// Draws test pictures and checks that OpenGL reports no error and that no GL object is left.
 ///   render_check OUT_DIR [--window]
 /// Writes scene.png, wireframe.png, split.png, close.png, wide.png and edge_cases.png. Off-screen unless
 /// --window is given. Exit status: 0 good, 1 a check failed, 2 bad usage or no OpenGL.
@@ -108,7 +108,7 @@ Frame make_scene(ResourceManager& resources, bool contacts) {
     return frame;
 }
 
-/// Hundreds of bodies on a floor that is itself a box, and a terrain made in code: the widest shadow map.
+/// Hundreds of bodies on a floor that is a box, and a generated terrain: the largest shadow map.
 Frame make_wide(ResourceManager& resources) {
     MeshData terrain;
     constexpr int side = 40;
@@ -168,7 +168,7 @@ std::vector<Frame> make_split(ResourceManager& resources) {
     return frames;
 }
 
-/// What a careless caller may hand over: nothing, no area, not a number, broken text, the eye inside a body.
+/// Invalid input: an empty frame, a viewport without area, not-a-number, malformed text, the eye inside a body.
 std::vector<Frame> make_edge_cases() {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     Frame empty, flat, wild;
@@ -192,7 +192,7 @@ std::vector<Frame> make_edge_cases() {
     return {empty, flat, wild};
 }
 
-/// Draws one picture, twice, so that whatever the first draw left behind shows in the second.
+/// Draws a picture twice, so that state left by the first draw shows in the second.
 void take_picture(Surface& surface, Renderer& renderer, const std::vector<Frame>& frames,
                   const std::filesystem::path& path) {
     for (int i = 0; i < 2; ++i) {

@@ -10,8 +10,8 @@ constexpr int shadow_unit = 1;
 
 Image white_pixel() { return {.width = 1, .height = 1, .pixels = {255, 255, 255, 255}}; }
 
-/// A viewport in pixels as GL counts them, from the lower left. Edges are rounded, so neighbours share them
-/// exactly.
+/// A viewport in pixels from the lower left, as GL counts them. The edges are rounded, so neighbouring viewports share
+/// them exactly.
 struct PixelRect {
     int x, y, width, height;
 };
@@ -40,7 +40,7 @@ void set_light(const Shader& shader, const Light& light, const glm::vec3& eye) {
 
 } // namespace
 
-/// What the passes of one frame share.
+/// Data that the passes of one frame share.
 struct Renderer::View {
     PixelRect rect;
     glm::mat4 view_projection;
@@ -73,7 +73,7 @@ void Renderer::draw(const Surface& surface, std::span<const Frame> frames) {
                            &*samples_, pixel_scale});
     }
     samples_->resolve_to(surface.target().name());
-    // Text comes after the averaging of samples, which would soften it.
+    // Text is drawn after resolving samples, because that would soften it.
     surface.target().bind();
     glEnable(GL_SCISSOR_TEST);
     for (const Frame& frame : frames) {
@@ -83,7 +83,7 @@ void Renderer::draw(const Surface& surface, std::span<const Frame> frames) {
         overlay_.draw(frame, {rect.width, rect.height}, pixel_scale);
     }
     glDisable(GL_SCISSOR_TEST);
-    glUseProgram(0); // a program in use would outlive its owner
+    glUseProgram(0); // a bound program would outlive its owner
     check_gl("Renderer::draw");
 }
 
@@ -149,7 +149,7 @@ void Renderer::draw_wireframe(const View& view) {
 }
 
 void Renderer::draw_sky(const Frame& frame, const View& view) {
-    // Last of what is solid, at the far plane: only pixels that nothing covers are shaded.
+    // The sky comes after all solid objects, at the far plane: only uncovered pixels are shaded.
     sky_->use();
     sky_->set("from_clip", glm::inverse(view.view_projection));
     set_light(*sky_, frame.light, view.eye);

@@ -25,11 +25,11 @@
 
 namespace lockstone::demo {
 
-/// Sun with soft shadows, sky light, tone mapping, multisampling. Made once; needs the surface's context for
-/// its whole life. Every failure is a std::runtime_error with the reason.
+/// Sun with soft shadows, sky light, tone mapping, multisampling. Create it once; it needs the surface's context for
+/// its whole lifetime. Every failure is a std::runtime_error with the reason.
 class Renderer {
   public:
-    /// `resources` must outlive the renderer. `samples` per pixel smooth edges; 0 draws faster without a GPU.
+    /// `resources` must outlive the renderer. `samples`: per pixel, for smooth edges; 0 is faster without a GPU.
     explicit Renderer(ResourceManager& resources, int samples = 4);
 
     /// Draws every frame into its viewport of the surface's target: all scenes, then all overlays in order.
@@ -57,7 +57,7 @@ class Renderer {
     MarkerPainter markers_;
     OverlayPainter overlay_;
     Texture white_;
-    GlVertexArray empty_array_;          ///< for the sky, whose corners the shader makes up
+    GlVertexArray empty_array_;          ///< for the sky, whose vertices the shader generates
     std::optional<Framebuffer> samples_; ///< of the surface's size
 };
 

@@ -7,7 +7,7 @@
 namespace lockstone::demo {
 namespace {
 
-/// The resource at `key`, made by `load` if it is new.
+/// The resource at `key`; calls `load` if it does not exist yet.
 template <class T, class Load>
 std::shared_ptr<const T> find_or_load(std::map<std::string, std::shared_ptr<const T>>& cache,
                                       const std::string& key, Load&& load) {

@@ -11,12 +11,12 @@
 namespace lockstone::demo {
 namespace {
 
-/// The sphere around what `fit` shall cover.
+/// The sphere that `fit` has to cover.
 glm::vec4 enclose(std::span<const glm::vec4> spheres, const glm::vec3& focus, float distance) {
     Bounds bounds;
     for (const glm::vec4& sphere : spheres) {
         const glm::vec3 centre(sphere);
-        // Written so that a sphere that is not a number is left out too.
+        // The negated comparison also skips spheres that contain not-a-number.
         if (!(glm::length(centre - focus) + sphere.w <= distance)) continue;
         bounds.add(centre - sphere.w);
         bounds.add(centre + sphere.w);
@@ -31,7 +31,7 @@ ShadowMap::ShadowMap() : depth_(GlTexture::make()), framebuffer_(GlFramebuffer::
     bind(0);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, resolution, resolution, 0, GL_DEPTH_COMPONENT,
                  GL_FLOAT, nullptr);
-    // Linear filtering of a comparison blends four results: the first ring of soft shadows comes free.
+    // Linear filtering of a comparison mixes four results: the first ring of soft shadows has no extra cost.
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
@@ -53,7 +53,7 @@ ShadowMap::ShadowMap() : depth_(GlTexture::make()), framebuffer_(GlFramebuffer::
 void ShadowMap::fit(std::span<const glm::vec4> spheres, const glm::vec3& to_sun, const glm::vec3& focus,
                     float distance) {
     const glm::vec4 sphere = enclose(spheres, focus, distance);
-    // The radius grows in steps and the centre moves by whole texels, or shadow edges would crawl as bodies
+    // The radius grows in steps and the centre moves by whole texels; otherwise shadow edges would flicker as bodies
     // move.
     constexpr float steps_per_octave = 4;
     const float radius =
@@ -65,7 +65,7 @@ void ShadowMap::fit(std::span<const glm::vec4> spheres, const glm::vec3& to_sun,
     glm::vec3 centre(turn * glm::vec4(glm::vec3(sphere), 1));
     centre.x = std::round(centre.x / texel_) * texel_;
     centre.y = std::round(centre.y / texel_) * texel_;
-    // Depth is clamped while drawing: casters before the near plane still cast, so the range can stay short.
+    // Depth is clamped while drawing: casters in front of the near plane still cast shadows, so the range can be short.
     const glm::mat4 box = glm::ortho(centre.x - radius, centre.x + radius, centre.y - radius,
                                      centre.y + radius, -centre.z - 2 * radius, -centre.z + 4 * radius);
     matrix_ = box * turn;

@@ -1,5 +1,5 @@
 #pragma once
-/// Depth as the sun sees it.
+/// The shadow map: the depth of the scene as seen from the sun.
 
 #include "render/gl/gl.h"
 
@@ -9,26 +9,26 @@
 
 namespace lockstone::demo {
 
-/// A square depth texture and the sun's camera that fits it around the scene. Move-only.
+/// A square depth texture, and a camera in the direction of the sun that covers the scene. Move-only.
 class ShadowMap {
   public:
     static constexpr int resolution = 2048; ///< [px]
 
     ShadowMap();
 
-    /// Fits the map around `spheres` (centre xyz, radius w) [m]; what lies farther than `distance` from
-    /// `focus`, or is wider than it, does not widen the map. `to_sun` has length 1.
+    /// Fits the map around `spheres` (centre xyz, radius w) [m]. It ignores spheres that are not completely within
+    /// `distance` of `focus`. `to_sun` has length 1.
     void fit(std::span<const glm::vec4> spheres, const glm::vec3& to_sun, const glm::vec3& focus,
              float distance);
 
-    /// Makes it the target of drawing, cleared; end() restores what this changes besides the target.
+    /// Makes it the render target and clears it; end() restores all changed state except the target.
     void begin() const;
     void end() const;
 
     /// Binds the depth to texture unit `unit`, for a sampler2DShadow.
     void bind(int unit) const;
 
-    /// World to the sun's clip space.
+    /// The transform from world to the sun's clip space.
     const glm::mat4& matrix() const { return matrix_; }
 
     /// Width of one texel [m].

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float margin = 10, title_height = 26, label_height = 15, gutter = 64, stroke = 2; ///< [design px]
 
-/// Of the part with the curves.
+/// The area of the curves.
 struct Area {
     glm::vec2 corner, size;
 };
@@ -25,7 +25,7 @@ double greatest_of(const Chart& chart) {
     return round_up(greatest);
 }
 
-/// Text that ends at a corner, `share` of its height above it.
+/// Writes text that ends at a corner; `share` of its height lies above the corner.
 void write_label(Frame& frame, const Moment& moment, const std::string& text, const glm::vec2& end,
                  float share) {
     const float width = static_cast<float>(letters(text)) * moment.cell.x * label_height / TextLine{}.height;
@@ -47,7 +47,8 @@ void draw_marks(Frame& frame, const Moment& moment, const Chart& chart, const Ar
     }
 }
 
-/// A rectangle for each column of pixels: from the least to the greatest value of its ticks, joined to the one before.
+/// A rectangle for each column of pixels, from the least to the greatest value of its ticks, extended to the rectangle
+/// before.
 void draw_curve(Frame& frame, const Curve& curve, const Chart& chart, const Area& area, double greatest) {
     const auto columns = static_cast<std::size_t>(std::max(area.size.x, 1.0f));
     const std::size_t ticks = std::max<std::size_t>(chart.ticks, 1);

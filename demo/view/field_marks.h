@@ -1,5 +1,5 @@
 #pragma once
-/// Fields as a viewer sees them: water by its surface.
+/// Draws fields. Water is drawn by its surface.
 
 #include "lockstone/world.h"
 #include "render/frame.h"
@@ -9,13 +9,13 @@
 namespace lockstone::demo {
 
 struct FieldMark {
-    bool is_water;     ///< a fluid that bears, in a box: it has a surface
-    glm::mat4 surface; ///< the place of its middle, y upwards
+    bool is_water;     ///< a fluid with buoyancy in a box, which has a surface
+    glm::mat4 surface; ///< the pose of the surface's centre, y upwards
     glm::vec2 half;    ///< along x and z [m]
 };
 FieldMark read_field(const World& world, FieldId field);
 
-/// A net on the surface of water, with its rim.
+/// Draws a net on the surface of water, and its rim.
 void draw_field(Frame& frame, const FieldMark& field);
 
 } // namespace lockstone::demo

@@ -63,7 +63,7 @@ void FigureFinder::after_parting(const Begun& begun) {
     if (landed_[0] && landed_[1])
         landing_ = time_, stage_ = Stage::landed;
     else if (begun.between)
-        stage_ = Stage::met; // it was not for good
+        stage_ = Stage::met; // the blocks touched again, so they had not parted yet
 }
 
 std::string FigureFinder::complaint() const {

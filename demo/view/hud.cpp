@@ -123,7 +123,8 @@ void draw_match(Frame& frame, const Moment& moment, const SceneView& view, std::
     const auto shown =
         std::min<std::size_t>(players == 0 ? match->scores.size() : players, match->scores.size());
     const glm::vec2 size = viewport_size(frame, moment);
-    constexpr float narrow = 620, below_panels = 252; // [design px]: half a small window has no room beside
+    // [design px]: half of a small window has no space beside the panels.
+    constexpr float narrow = 620, below_panels = 252;
     TextPanel panel(moment, {size.x - 12, size.x < narrow ? below_panels : 12});
     panel.title("score");
     for (std::uint32_t p = 0; p < shown; ++p) {
@@ -137,7 +138,8 @@ void draw_match(Frame& frame, const Moment& moment, const SceneView& view, std::
     for (std::uint32_t p = 0; p < shown; ++p) {
         const auto position = view.player_position(p, moment.alpha);
         if (!position) continue;
-        const float above = match->it == p ? 1.75f : 0.95f; // "it" wears a cone
+        // The player who must tag another has a cone overhead.
+        const float above = match->it == p ? 1.75f : 0.95f;
         const auto pixel = frame.camera.project(*position + glm::vec3(0, above, 0), size);
         if (!pixel) continue;
         const std::string name = match->it == p ? "it" : std::string("P").append(std::to_string(p + 1));

@@ -17,7 +17,7 @@ constexpr glm::vec4 white(0.96f, 0.97f, 0.98f, 1), grey(0.74f, 0.78f, 0.82f, 1),
     blue(0.50f, 0.78f, 1.0f, 1), shade(0.06f, 0.08f, 0.11f, 0.66f);
 } // namespace ink
 
-/// Lines of text on a dark ground, as wide as the longest; it grows downwards from its upper left corner.
+/// Lines of text on a dark ground, as wide as the longest line. It grows downwards from its upper left corner.
 class TextPanel {
   public:
     TextPanel(const Moment& moment, const glm::vec2& corner) : cell_(moment.cell), corner_(corner) {}
@@ -25,7 +25,7 @@ class TextPanel {
     void line(const std::string& text, const glm::vec4& colour = ink::grey);
     glm::vec2 size() const { return {width_ + 2 * margin, height_ + 2 * margin}; }
     void move_to(const glm::vec2& corner) { corner_ = corner; }
-    /// Moves it so that its right or lower edge lies at its corner instead.
+    /// Moves the panel so that its right or lower edge lies at its corner.
     void align_right() { corner_.x -= size().x; }
     void align_bottom() { corner_.y -= size().y; }
     void draw(Frame& frame) const;
@@ -38,7 +38,7 @@ class TextPanel {
     std::vector<TextLine> lines_; ///< positions within the panel
 };
 
-/// Letters, not bytes, of UTF-8.
+/// The number of UTF-8 characters of a text, not of bytes.
 inline std::size_t letters(const std::string& text) {
     return static_cast<std::size_t>(std::count_if(
         text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
@@ -48,16 +48,16 @@ std::string format_hash(std::uint64_t hash);                      ///< "9f3c 21d
 std::string format_time(std::uint64_t ticks, std::uint32_t rate); ///< "00:20.07"
 std::string format_bytes(std::uint64_t bytes);                    ///< "12.3 kB"
 std::string format_number(double value, int decimals);
-/// "× 0.25", "paused".
+/// For example "× 0.25" or "paused".
 std::string format_speed(const StepClock& clock);
 
-/// Keys that every page knows: wireframe, contacts, bounds, crates, overlay, joints, help, pause, step, speed.
+/// Handles the keys of every page: wireframe, contacts, bounds, crates, overlay, joints, help, pause, step, speed.
 void control_stage(Stage& stage, const Input& input);
 
-/// The list of keys, if it is switched on. `page_keys`: those of the page, one per line.
+/// Draws the list of keys, if it is switched on. `page_keys`: keys of the page, one per line.
 void draw_help(Frame& frame, const Moment& moment, const ViewOptions& view, const std::string& page_keys);
 
-/// The scores of the first `players` of a match (0: of all) at the upper right, and names over them.
+/// Draws the scores of the first `players` of a match (0: of all) at the upper right, and names above the players.
 void draw_match(Frame& frame, const Moment& moment, const SceneView& view, std::uint32_t players);
 
 /// The size of a frame's viewport [design px].

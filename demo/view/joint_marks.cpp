@@ -18,7 +18,7 @@ void add_line(Frame& frame, const glm::vec3& from, const glm::vec3& to, const gl
     frame.lines.push_back({.from = from, .to = to, .colour = colour, .width = thickness});
 }
 
-/// Where `at` goes as its argument goes from 0 to 1.
+/// Draws the curve `at`(t) for t from 0 to 1.
 template <class At>
 void add_curve(Frame& frame, int pieces, const glm::vec3& colour, float thickness, const At& at) {
     for (int i = 0; i < pieces; ++i)
@@ -26,7 +26,7 @@ void add_curve(Frame& frame, int pieces, const glm::vec3& colour, float thicknes
                  at(static_cast<float>(i + 1) / static_cast<float>(pieces)), colour, thickness);
 }
 
-/// Around `middle` from angle to angle in the plane of u and v.
+/// Draws an arc around `middle` between two angles in the plane of u and v.
 void add_arc(Frame& frame, const glm::vec3& middle, const glm::vec3& u, const glm::vec3& v, float from,
              float to, const glm::vec3& colour) {
     add_curve(frame, 20, colour, width, [&](float t) {
@@ -35,10 +35,10 @@ void add_arc(Frame& frame, const glm::vec3& middle, const glm::vec3& u, const gl
     });
 }
 
-/// A coil of as many turns at any length.
+/// Draws a coil with a fixed number of turns at any length.
 void add_coil(Frame& frame, const glm::vec3& from, const glm::vec3& to) {
     constexpr int turns = 8, pieces = 12 * turns;
-    constexpr float radius = 0.07f, straight = 0.1f; ///< [m]; part of the length at each end
+    constexpr float radius = 0.07f, straight = 0.1f; ///< [m]; share of the length at each end
     const glm::vec3 way = to - from;
     if (glm::length(way) < 1e-4f) return;
     const bool upright = std::abs(way.y) > 0.9f * glm::length(way);
@@ -51,7 +51,8 @@ void add_coil(Frame& frame, const glm::vec3& from, const glm::vec3& to) {
     });
 }
 
-/// It sags by as much as it is longer than the way: as a parabola of that length does, while it sags little.
+/// Draws a rope. If it is longer than the distance, it sags like a parabola of its length, in the approximation for
+/// small sag.
 void add_rope(Frame& frame, const glm::vec3& from, const glm::vec3& to, float length) {
     const float way = glm::distance(from, to);
     const float sag = 0.433f * std::sqrt(std::max(length * length - way * way, 0.0f));
@@ -60,7 +61,7 @@ void add_rope(Frame& frame, const glm::vec3& from, const glm::vec3& to, float le
               [&](float t) { return from + t * (to - from) - glm::vec3(0, 4 * t * (1 - t) * sag, 0); });
 }
 
-/// Both frames in the world, A's axes as vectors of 1.
+/// Both frames in the world. The axes of A are unit vectors.
 struct Places {
     glm::mat4 a, b;
     glm::vec3 origin{a[3]}, other{b[3]};
@@ -69,7 +70,7 @@ struct Places {
     glm::vec3 axis_b(std::size_t i) const { return glm::vec3(b[static_cast<int>(i % 3)]); }
 };
 
-/// Of axes along: their line, or a bar between limits with its ends.
+/// Draws an axis of translation: its line, or a bar between its limits.
 void draw_slide(Frame& frame, const JointMark::Axis& axis, std::size_t i, const Places& at) {
     const glm::vec3 x = at.axis(i), y = 0.2f * joint_reach * at.axis(i + 1);
     if (axis.mode == AxisMode::free)
@@ -80,7 +81,7 @@ void draw_slide(Frame& frame, const JointMark::Axis& axis, std::size_t i, const 
     for (const glm::vec3& end : {low, high}) add_line(frame, end - y, end + y, joint_colour::limit);
 }
 
-/// One along a single axis hangs on that axis' far end; those of several pull to a place.
+/// Draws springs. A single spring hangs at the far end of its axis; several together pull to one target point.
 void draw_springs(Frame& frame, const JointMark& joint, const Places& at) {
     int count = 0;
     glm::vec3 target = at.origin, far_end = at.origin;
@@ -94,7 +95,8 @@ void draw_springs(Frame& frame, const JointMark& joint, const Places& at) {
     if (count != 0) add_coil(frame, count == 1 ? far_end : target, at.other);
 }
 
-/// Of axes about: their line; an arc between limits, and of what a spring still has to turn; a hand.
+/// Draws an axis of rotation: its line, an arc between its limits, an arc from the current angle to the target of its
+/// spring, and a hand at the current angle.
 void draw_turn(Frame& frame, const JointMark::Axis& axis, std::size_t i, const Places& at) {
     if (axis.mode == AxisMode::locked) return;
     const glm::vec3 x = joint_reach * at.axis(i), u = joint_reach * at.axis(i + 1),
@@ -110,7 +112,7 @@ void draw_turn(Frame& frame, const JointMark::Axis& axis, std::size_t i, const P
                 std::atan2(glm::dot(hand, v), glm::dot(hand, u)), joint_colour::spring);
 }
 
-/// What the frames are apart along the axes that are locked, and hard.
+/// The distance of the frames along hard locked axes.
 glm::vec3 gap_of(const JointMark& joint, const Places& at) {
     glm::vec3 gap(0);
     for (std::size_t i = along_x; i <= along_z; ++i)
@@ -138,14 +140,14 @@ void draw_axes(Frame& frame, const JointMark& joint, const Places& at) {
     }
 }
 
-/// A circle about the frame's x through the body's origin, with a spoke.
+/// Draws a circle about the frame's x axis through the body's origin, with a spoke.
 void add_wheel(Frame& frame, const glm::vec3& middle, const glm::mat4& place, float radius) {
     const glm::vec3 u = radius * glm::vec3(place[1]), v = radius * glm::vec3(place[2]);
     add_arc(frame, middle, u, v, 0, full_turn, joint_colour::gear);
     add_line(frame, middle, middle + u, joint_colour::hand);
 }
 
-/// Wheels that would touch and turn as the gear has it: A's radius is to B's as 1 to the ratio.
+/// Draws two wheels that touch and have the ratio of the gear: A's radius is to B's as 1 to the ratio.
 void draw_gear(Frame& frame, const JointMark& joint, const glm::mat4& a, const glm::mat4& b,
                const Places& at) {
     const glm::vec3 from(a[3]), to(b[3]);
@@ -154,7 +156,7 @@ void draw_gear(Frame& frame, const JointMark& joint, const glm::mat4& a, const g
     add_wheel(frame, to, at.b, apart * ratio / (1 + ratio));
 }
 
-/// A wheel that rolls along B's x as it turns.
+/// Draws a wheel that rolls along B's x axis.
 void draw_rack(Frame& frame, const JointMark& joint, const glm::mat4& a, const glm::mat4& b,
                const Places& at) {
     const glm::vec3 middle(b[3]), x = 2 * joint_reach * at.axis_b(0);

@@ -15,7 +15,7 @@ namespace {
 constexpr int ring_steps = 24;
 constexpr float crease_cos = 0.94f; ///< faces that meet at less than 20 degrees have no edge between them
 
-/// An arc around a point: cos(t) x + sin(t) y, t from `begin` over `turns` of a circle.
+/// Adds an arc around a point: cos(t) x + sin(t) y, where t starts at `begin` and covers `turns` of a circle.
 void add_arc(std::vector<Edge>& edges, const glm::vec3& centre, const glm::vec3& x, const glm::vec3& y,
              float begin = 0, float turns = 1) {
     const int steps = static_cast<int>(std::lround(turns * ring_steps));
@@ -27,7 +27,7 @@ void add_arc(std::vector<Edge>& edges, const glm::vec3& centre, const glm::vec3&
     for (int step = 0; step < steps; ++step) edges.emplace_back(at(step), at(step + 1));
 }
 
-/// A solid of revolution about y: rings of these radii at these heights, and four lines that join them.
+/// Adds a solid of revolution about y: two rings, and four lines that connect them.
 void add_round(std::vector<Edge>& edges, float low_radius, float low, float high_radius, float high) {
     for (const auto& [radius, height] : {std::pair(low_radius, low), std::pair(high_radius, high)})
         if (radius > 0) add_arc(edges, {0, height, 0}, {radius, 0, 0}, {0, 0, radius});
@@ -50,7 +50,7 @@ std::vector<Edge> capsule_edges(float radius, float half) {
     return edges;
 }
 
-/// Those between faces that meet at an angle, and those with one face.
+/// The edges between faces that meet at an angle, and the edges of only one face.
 std::vector<Edge> sharp_edges(const TriangleSoup& soup) {
     using Place = std::array<std::int64_t, 3>;
     std::map<std::pair<Place, Place>, std::vector<glm::vec3>> normals; // of the faces at each edge

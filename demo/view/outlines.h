@@ -1,5 +1,5 @@
 #pragma once
-/// Edges of shapes, to draw a body as a cage of lines.
+/// The edges of shapes, to draw a body as a cage of lines.
 
 #include "lockstone/asset.h"
 #include "lockstone/command.h"
@@ -14,8 +14,8 @@ namespace lockstone::demo {
 /// Both ends [m].
 using Edge = std::pair<glm::vec3, glm::vec3>;
 
-/// In the body's frame: the sharp edges of boxes, hulls, meshes and compounds; rings and lines along round shapes, which
-/// show that they turn. Empty for a plane.
+/// The outline in the body's frame: the sharp edges of boxes, hulls, meshes and compounds; rings and lines along round
+/// shapes, which make rotation visible. Empty for a plane.
 std::vector<Edge> outline_of(const ShapeDef& shape, const AssetLibrary& assets);
 
 } // namespace lockstone::demo

@@ -12,8 +12,8 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr float plane_half_side = 1400;       ///< a plane has no end; this far it is drawn [m]
-constexpr std::size_t crate_bodies_max = 200; ///< in larger crowds plain colours are easier to tell apart
+constexpr float plane_half_side = 1400; ///< half side of the drawn part of a plane, which is infinite [m]
+constexpr std::size_t crate_bodies_max = 200; ///< in larger scenes plain colours are easier to distinguish
 
 glm::vec3 to_colour(std::uint32_t rgb) {
     return glm::vec3((rgb >> 16) & 0xffu, (rgb >> 8) & 0xffu, rgb & 0xffu) / 255.0f;
@@ -32,7 +32,7 @@ void add_box_lines(Frame& frame, const glm::mat4& pose, const glm::vec3& half, c
                     {.from = corner(from), .to = corner(from | axis), .colour = colour, .width = 1.4f});
 }
 
-/// Whether a box cuts the way from `eye` to `target`.
+/// True if a box intersects the segment from `eye` to `target`.
 bool hides(const glm::mat4& pose, const glm::vec3& half, const glm::vec3& eye, const glm::vec3& target) {
     const glm::mat4 inverse = glm::inverse(pose);
     const glm::vec3 from(inverse * glm::vec4(eye, 1)), way = glm::vec3(inverse * glm::vec4(target, 1)) - from;
@@ -49,7 +49,7 @@ bool hides(const glm::mat4& pose, const glm::vec3& half, const glm::vec3& eye, c
     return enter < leave;
 }
 
-/// The axis-aligned box, in the world, around one in a shape's frame.
+/// The axis-aligned box in the world around a box in a shape's frame.
 Bounds moved(const Bounds& bounds, const glm::mat4& pose) {
     const glm::vec3 half = 0.5f * (bounds.max - bounds.min);
     const glm::vec3 reach = glm::abs(glm::vec3(pose[0])) * half.x + glm::abs(glm::vec3(pose[1])) * half.y +
@@ -114,7 +114,7 @@ SceneView::Body SceneView::read_body(const World& world, BodyId id, std::uint32_
     return body;
 }
 
-/// A tyre and a bar across it, which shows that it turns.
+/// Makes a tyre, and a bar across it that makes rotation visible.
 void SceneView::read_wheels(const World& world) {
     std::vector<Body> now;
     for (std::uint32_t row = 0; row < world.vehicle_count(); ++row) {
@@ -207,12 +207,12 @@ void SceneView::draw(Frame& frame, float alpha, const Stage& stage,
     draw_joints(frame, alpha, stage.view.joints);
     for (const FieldMark& field : fields_) draw_field(frame, field);
     if (match_) draw_it(frame, alpha);
-    // A large scene is seen from afar: the haze must begin behind it, and the shadows reach as far.
+    // A large scene is seen from afar: the haze begins behind it, and the shadows cover it.
     frame.light.haze_distance = std::max(frame.light.haze_distance, 4 * frame.camera.distance());
     frame.light.shadow_distance = std::max(frame.light.shadow_distance, 1.2f * frame.camera.distance());
 }
 
-/// What must stay in sight [m].
+/// The points that must stay visible [m].
 std::vector<glm::vec3> SceneView::sights(std::optional<std::uint32_t> followed, float alpha) const {
     if (followed)
         if (const auto player = player_position(*followed, alpha)) return {*player};
@@ -260,7 +260,7 @@ void SceneView::draw_part(Frame& frame, const Body& body, const Part& part, cons
 
 void SceneView::draw_contacts(Frame& frame) const {
     for (const Touch& touch : contacts_) {
-        // From yellow to red as the impulse grows; a touch without one is blue.
+        // The colour goes from yellow to red with the impulse; a contact without impulse is blue.
         const float strength = 1 - std::exp(-2 * touch.impulse);
         const glm::vec3 colour =
             touch.impulse <= 0 ? glm::vec3(0.4f, 0.6f, 1.0f)
@@ -288,7 +288,7 @@ void SceneView::draw_joints(Frame& frame, float alpha, bool all) const {
     }
 }
 
-/// A cone over the player who is "it".
+/// Draws a cone above the player who must tag another.
 void SceneView::draw_it(Frame& frame, float alpha) const {
     const auto position = player_position(static_cast<std::uint32_t>(match_->it), alpha);
     if (!position) return;

@@ -1,5 +1,5 @@
 #pragma once
-/// A world as a viewer sees it: read after every tick, drawn between two of them.
+/// The state of a world for drawing: read after every tick, drawn between two ticks.
 
 #include "field_marks.h"
 #include "game_values.h"
@@ -19,23 +19,22 @@ namespace lockstone::demo {
 
 class SceneView {
   public:
-    /// Reads the world after a tick: what was the current state becomes the previous one.
+    /// Reads the world after a tick. The current state becomes the previous one.
     void capture(const World& world);
-    /// Reads the world after a jump in time: nothing moves between the two states.
+    /// Reads the world after a jump in time. Previous and current state are then equal.
     void reset(const World& world);
 
-    /// Adds the bodies and what `stage.view` asks for. `alpha`: 0 the previous state, 1 the current one. A
-    /// static box that stands between the frame's camera and the followed player (or all that moves) is drawn
-    /// as its edges.
+    /// Adds the bodies and the elements that `stage.view` switches on. `alpha`: 0 the previous state, 1 the current
+    /// one. A static box between the camera and the followed player (or all moving bodies) is drawn as its edges.
     void draw(Frame& frame, float alpha, const Stage& stage, std::optional<std::uint32_t> followed) const;
 
-    /// Of a player's body; nothing if there is none. [m]
+    /// The position of a player's body [m]; empty if it does not exist.
     std::optional<glm::vec3> player_position(std::uint32_t player, float alpha) const;
     std::uint32_t player_count() const;
 
-    /// Around what moves, or around everything when nothing does; and around the company. [m]
+    /// Bounds of the moving bodies, or of all bodies if none moves, together with the company [m].
     Bounds bounds() const;
-    /// What else is drawn beside this world and belongs into the picture [m].
+    /// Sets the bounds of other objects that belong into the picture [m].
     void set_company(const Bounds& company) { company_ = company; }
 
     std::size_t body_count() const { return bodies_.size(); }
@@ -51,9 +50,9 @@ class SceneView {
         Geometry geometry;
         glm::mat4 local;
         Bounds bounds{};                      ///< in the shape's frame
-        std::optional<ShapeKind> primitive{}; ///< how it is drawn; none: as triangles of its own
+        std::optional<ShapeKind> primitive{}; ///< the primitive that is drawn; empty: a mesh of its own
         glm::vec3 size{0};                    ///< of the primitive
-        bool crate = false;                   ///< near enough to a cube for the model
+        bool crate = false;                   ///< similar enough to a cube for the crate model
     };
     struct Body {
         BodyId id;
@@ -84,7 +83,7 @@ class SceneView {
     void draw_it(Frame& frame, float alpha) const;
 
     std::vector<Body> bodies_; ///< by row
-    std::vector<Body> wheels_; ///< of vehicles: drawn, but no bodies of the world; `id` is the chassis
+    std::vector<Body> wheels_; ///< of vehicles; they are no bodies of the world, `id` is the chassis
     std::vector<Touch> contacts_;
     std::vector<JointMark> joints_;
     std::vector<FieldMark> fields_;

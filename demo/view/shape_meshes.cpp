@@ -8,7 +8,7 @@
 namespace lockstone::demo {
 namespace {
 
-/// Facets of hulls shall be seen; hills shall look round.
+/// The crease angle: facets of hulls stay visible, hills look smooth.
 float crease_of(lockstone::ShapeKind kind) {
     switch (kind) {
     case lockstone::ShapeKind::hull:
@@ -32,7 +32,7 @@ Material material_of(lockstone::ShapeKind kind) {
     return material;
 }
 
-/// Adds the vertices of one mesh, each (place, normal) once.
+/// Adds the vertices of one mesh, each combination of position and normal once.
 class Joiner {
   public:
     Joiner(const TriangleSoup& from, MeshData& to)
@@ -55,7 +55,7 @@ class Joiner {
     std::vector<std::uint32_t> first, next; ///< by soup vertex; by mesh vertex
 };
 
-/// The same place has the same vertex.
+/// Merges vertices with equal positions.
 TriangleSoup welded(const TriangleSoup& soup) {
     std::map<std::array<std::int64_t, 3>, std::uint32_t> index;
     TriangleSoup out;

@@ -1,6 +1,6 @@
 #pragma once
-/// Meshes of the shapes that are more than a stretched primitive: rounded shapes, hulls, compounds, height fields,
-/// meshes. Each geometry is cut into triangles once and lies in one buffer on the GPU.
+/// Meshes of the shapes that are not a scaled primitive: rounded shapes, hulls, compounds, height fields, meshes. Each
+/// geometry is triangulated once and has one buffer on the GPU.
 
 #include "lockstone/asset.h"
 #include "render/assets/model.h"
@@ -13,9 +13,9 @@ namespace lockstone::demo {
 
 class ShapeMeshes {
   public:
-    /// In the shape's frame; needs no renderer.
+    /// Bounds in the shape's frame; needs no renderer.
     const Bounds& bounds(const Geometry& geometry, const AssetLibrary& assets);
-    /// Needs a renderer. Null when there is nothing to draw.
+    /// The model of a geometry; needs a renderer. Null if it has no triangles.
     std::shared_ptr<const Model> model(const Geometry& geometry, const AssetLibrary& assets);
 
   private:
@@ -24,7 +24,7 @@ class ShapeMeshes {
         Bounds bounds;
         std::shared_ptr<const Model> model;
     };
-    using Key = std::array<std::int64_t, 9>; ///< all of a geometry
+    using Key = std::array<std::int64_t, 9>; ///< all fields of a geometry
     Entry& entry(const Geometry& geometry, const AssetLibrary& assets);
 
     std::map<Key, Entry> entries_;

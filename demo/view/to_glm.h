@@ -1,5 +1,5 @@
 #pragma once
-/// Values of the engine as GLM has them, for drawing.
+/// Converts values of the engine to GLM, for drawing.
 
 #include "lockstone/math/convert.h"
 

@@ -1,4 +1,4 @@
-// Clocks of the benchmark. Nothing here enters a simulation.
+// Clocks of the benchmark. No simulation reads them.
 #pragma once
 
 #include <ctime>
@@ -11,14 +11,16 @@ inline double microseconds_of(clockid_t clock) {
     return 1e6 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_nsec);
 }
 
-/// What a call takes of this thread [us]: whatever else the machine does is not in it. For ticks and more.
+/// The processor time that a call takes on this thread [us]. Other work of the machine does not count. For ticks and
+/// longer work.
 template <class Act> double thread_us(Act&& act) {
     const double before = microseconds_of(CLOCK_THREAD_CPUTIME_ID);
     act();
     return microseconds_of(CLOCK_THREAD_CPUTIME_ID) - before;
 }
 
-/// By the wall [us], for what is too short for a system call on either side.
+/// The wall time that a call takes [us]. For calls so short that a system call before and after them would distort the
+/// result.
 template <class Act> double wall_us(Act&& act) {
     const double before = microseconds_of(CLOCK_MONOTONIC);
     act();

@@ -14,14 +14,14 @@ namespace {
 
 using namespace engines;
 
-constexpr int block = 5; ///< ticks that an engine does before it is the next one's turn
+constexpr int block = 5; ///< ticks that an engine runs before the next engine's turn
 
 double heap_bytes() {
     const struct mallinfo2 info = mallinfo2();
     return static_cast<double>(info.uordblks + info.hblkhd);
 }
 
-/// An engine and what it took from the heap: nobody else asks for memory while it is its turn.
+/// An engine and the memory that it has allocated. During its turn no other code allocates memory.
 struct Lane {
     Product product;
     std::unique_ptr<Engine> engine = nullptr;
@@ -47,7 +47,7 @@ struct Lane {
         }
     }
 
-    /// Contact points of the last tick that do not touch; 0 of other engines.
+    /// The number of contact points of the last tick that do not touch; 0 for other engines.
     std::size_t near_points() const {
         if (product != Product::lockstone) return 0;
         const auto points = world_of(*engine).contacts();
@@ -92,7 +92,7 @@ Json ratio_json(const std::vector<Run>& runs, Product product) {
             {"p99", percentile(theirs->tick_us, 0.99) / percentile(runs[0].tick_us, 0.99)}};
 }
 
-/// The ticks once bodies have landed: how far the slow ones are above the mean.
+/// The 99th percentile of the ticks after the bodies have landed, divided by their mean.
 double p99_per_mean(const BenchScene& scene, const Run& run) {
     const auto landed = static_cast<std::size_t>(scene.landed_after);
     if (run.tick_us.size() <= landed) return 0;
@@ -100,7 +100,8 @@ double p99_per_mean(const BenchScene& scene, const Run& run) {
     return percentile(ticks, 0.99) / mean(ticks);
 }
 
-/// Each figure that was asked for, and whether it is there. The ratio is at least, all others are at most.
+/// One entry for each figure that has a bound. The time ratio must be at least its bound, all other figures at most
+/// theirs.
 Json verdicts(const BenchScene& scene, const std::vector<Run>& runs, const Json& bullet_per_ours) {
     const Target& target = scene.target;
     const Run& ours = runs[0];

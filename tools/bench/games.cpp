@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t script_seed = 1;
 
-/// A game that its script plays.
+/// A game that is driven by its script.
 class Played {
   public:
     explicit Played(std::unique_ptr<Game> rules, World start)
@@ -33,7 +33,7 @@ class Played {
     std::unique_ptr<Game> game;
     World world;
     std::vector<double> spent_us = {};
-    bool failed = false; ///< a rule of the game did
+    bool failed = false; ///< a rule of the game failed
 
   private:
     std::vector<std::vector<std::byte>> bytes;
@@ -60,7 +60,8 @@ Result<replay::Recording> record(Played& played, std::uint64_t ticks) {
 
 // ---- cars --------------------------------------------------------------------------------------------------------
 
-/// An arena of 80 x 50 m whose floor bends up into its walls: quads of 2 m, each of two triangles.
+/// An arena of 80 x 50 m whose floor bends up into its walls. The mesh consists of quads of 2 m with two triangles
+/// each.
 Result<AssetBytes> bake_arena() {
     constexpr int columns = 40, rows = 25;
     std::vector<Vec3> vertices;
@@ -117,7 +118,7 @@ Result<Arena> make_arena() {
     return arena;
 }
 
-/// Everybody drives for the ball.
+/// All cars drive towards the ball.
 void drive(Arena& arena, BodyId ball) {
     World& world = arena.world;
     for (std::size_t i = 0; i < arena.cars.size(); ++i) {

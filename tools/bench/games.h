@@ -1,4 +1,4 @@
-// What whole games cost: a recording that is verified, cars in an arena, the built-in scenes.
+// Costs of whole games: verifying a recording, cars in an arena, the built-in scenes.
 #pragma once
 
 #include "bench/contest.h"
@@ -6,13 +6,15 @@
 
 namespace lockstone::bench {
 
-/// A recording of rollback-arena with four players, and how many times faster than play it is verified.
+/// Records rollback-arena with four players, and measures how many times faster than real time the recording is
+/// verified.
 Result<Json> verify_speed(bool quick);
 
-/// Four cars and a ball on an arena's mesh at 120 ticks a second.
+/// Four cars and a ball on the mesh of an arena, at 120 ticks a second.
 Result<Json> arena_cost(bool quick);
 
-/// Of a scene that `lockstone scenes` lists, with its game's rules and scripted inputs; the error names the scenes there are.
+/// The cost of a scene from the list of `lockstone scenes`, with its game's rules and scripted inputs. The error lists
+/// the scenes.
 Result<Json> game_cost(const std::string& name, bool quick);
 
 } // namespace lockstone::bench

@@ -9,7 +9,7 @@
 #include <iterator>
 #include <span>
 
-/// What callgrind collects: its name is given on the command line, so it has to be plain, and a function.
+/// The function that callgrind counts. Its name is an argument of callgrind, so it has C linkage and is never inlined.
 extern "C" __attribute__((noinline)) void
 lockstone_bench_counted_tick(const lockstone::bench::BenchScene& scene, engines::Engine& engine, int tick) {
     lockstone::bench::timed_act(scene, engine, tick);
@@ -21,7 +21,7 @@ namespace {
 using namespace engines;
 namespace fs = std::filesystem;
 
-/// A folder that is gone when its owner is.
+/// A temporary folder that its destructor removes.
 class Folder {
   public:
     Folder() {
@@ -37,8 +37,8 @@ class Folder {
     fs::path path;
 };
 
-/// Ticks before the state that is handed over. After a restore caches are cold, and the leaves of the broad phase all new: some ticks
-/// pass before those that count.
+/// The tick whose state goes to the process under callgrind. After a restore the caches are cold and all leaves of the
+/// broad phase are new, so some warm-up ticks run before the counted ones.
 int ticks_before(const BenchScene& scene) { return std::max(scene.counted_from - scene.warm, 0); }
 
 Status write_state(const BenchScene& scene, const Contestant& who, const fs::path& file) {
@@ -54,7 +54,7 @@ Status write_state(const BenchScene& scene, const Contestant& who, const fs::pat
     return {};
 }
 
-/// The sum of callgrind's one event: its line "totals: N".
+/// The total of the only event that callgrind counts: the number in its line "totals: N" or "summary: N".
 Result<double> total_of(const fs::path& file) {
     std::ifstream in(file);
     double total = -1;
@@ -120,7 +120,7 @@ Result<Json> count_instructions(const std::vector<BenchScene>& scenes, const Con
 Result<void> run_counted(const BenchScene& scene, const Contestant& who, const std::string& state_file) {
     const auto engine = make_lockstone(who, scene.scene);
     const int begin = ticks_before(scene), first = begin + scene.warm;
-    if (begin > 0) { // else the engine is as it was when the state was written
+    if (begin > 0) { // without ticks before it, the start of the scene is the state
         std::ifstream in(state_file, std::ios::binary);
         const std::string bytes{std::istreambuf_iterator<char>(in), {}};
         const Status restored = world_of(*engine).restore_portable(std::as_bytes(std::span(bytes)));

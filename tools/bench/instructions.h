@@ -1,4 +1,4 @@
-// How many instructions a tick takes: exact where times are noise.
+// Counts the instructions of a tick. The counts are exact where times are noisy.
 #pragma once
 
 #include "bench/contest.h"
@@ -6,11 +6,12 @@
 
 namespace lockstone::bench {
 
-/// Runs each scene to the tick that it is counted from, hands its state over to this very program under callgrind and reads
-/// what that counted in a few ticks. `keep`: a folder for callgrind's files, for callgrind_annotate; empty: none are kept.
+/// Runs each scene up to its warm-up ticks, passes its state to this program under callgrind, and reads the number of
+/// instructions of a few ticks. `keep`: a folder for callgrind's files, to be read with callgrind_annotate; empty: the
+/// files are removed.
 Result<Json> count_instructions(const std::vector<BenchScene>& scenes, const engines::Contestant& who,
                                 const std::string& keep);
-/// The other end: what runs under callgrind.
+/// The part that runs under callgrind.
 Result<void> run_counted(const BenchScene& scene, const engines::Contestant& who,
                          const std::string& state_file);
 

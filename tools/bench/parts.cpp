@@ -23,8 +23,8 @@ constexpr const char* threaded_scenes[] = {"S1", "S2", "S3", "S4", "grid"};
 constexpr const char* state_scenes[] = {"S1", "S2", "S4", "S6"};
 constexpr const char* front_scenes[] = {"S1", "S2", "S3", "S4", "S5", "S6"};
 
-constexpr double heap_of_50000_mb = 270; ///< twice what Box3D takes
-/// What Jolt takes for a rollback of eight ticks of S6, in ticks of Bullet's in the same run.
+constexpr double heap_of_50000_mb = 270; ///< twice that of Box3D
+/// The time of Jolt for a rollback of eight ticks of S6, divided by the time of one tick of Bullet in the same run.
 constexpr double jolt_rollback_in_bullet_ticks = 1400.0 / 315;
 constexpr double snapshot_bytes_per_body = 700; ///< with all contacts, in S1 and S2
 
@@ -33,7 +33,7 @@ bool is_scene(const std::string& name) {
     return std::ranges::find(names, name) != names.end();
 }
 
-/// Replaces "rows" by the names of all rows.
+/// Replaces the name "rows" by the names of all rows.
 std::vector<std::string> expanded(const std::vector<std::string>& parts) {
     std::vector<std::string> all;
     for (const std::string& part : parts)
@@ -49,7 +49,7 @@ ContestPlan contest_plan(const Plan& plan) {
     return {.ticks = plan.quick ? 3 : plan.ticks, .runs = plan.quick ? 1 : plan.runs};
 }
 
-/// What was measured where: without it a figure says nothing.
+/// The conditions of a measurement. Figures are comparable only together with them.
 Json settings(const Plan& plan) {
     std::string cpu = "unknown";
     std::ifstream info("/proc/cpuinfo");
@@ -85,7 +85,7 @@ Json scaling_row(int count, const Plan& plan) {
     return row;
 }
 
-/// Boxes at rest, from few to very many: what a body costs must not depend on how many there are.
+/// Resting boxes in growing numbers: the cost of a body must not depend on the number of bodies.
 Json scaling(const Plan& plan, const Done& done) {
     Json rows = Json::array();
     double least = 1e9, most = 0;
@@ -108,7 +108,7 @@ Json scaling(const Plan& plan, const Done& done) {
     return rows;
 }
 
-/// One and two workers in turn, by the wall.
+/// Compares one worker with two, in turns, by wall time.
 Json threads(const Plan& plan, const Done& done) {
     Json rows = Json::array();
     for (const char* name : threaded_scenes) {
@@ -129,7 +129,7 @@ Json threads(const Plan& plan, const Done& done) {
     return rows;
 }
 
-/// Cost against quality: Lockstone at several substeps, Bullet at several iterations.
+/// Cost against quality: Lockstone with several numbers of substeps, Bullet with several numbers of iterations.
 Json front(const Plan& plan, const Done& done) {
     Json rows = Json::array();
     std::vector<Contestant> who;
@@ -146,7 +146,7 @@ Json front(const Plan& plan, const Done& done) {
     return rows;
 }
 
-/// S6 is the game that is rolled back.
+/// The verdicts on the state costs. S6 is the scene whose rollback is judged.
 Json state_verdicts(const Json& row, const Plan& plan) {
     Json list = Json::array();
     const std::string name = row.at("scene").as_text();

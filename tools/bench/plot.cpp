@@ -6,7 +6,7 @@
 namespace lockstone::bench {
 namespace {
 
-/// The figure that tells most of a scene's quality: the joints' where there are joints.
+/// The most telling figure of a scene's quality: the widest joint if the scene has joints, else the overlap.
 double worst_of(const Json& scene, const Json& run) {
     if (scene.at("joints").as_int() > 0) return run.at("joint_worst_mm").as_double();
     return run.at(scene.at("scene").as_text() == "S3" ? "overlap_static_mm" : "overlap_mm").as_double();
@@ -17,10 +17,11 @@ std::string title_of(const Json& scene) {
     return scene.at("scene").as_text() + ", " + worst;
 }
 
-/// [mm]: on a logarithmic axis there is no 0, and what is below is as good as that.
+/// The least value that is drawn [mm]. A logarithmic axis has no 0, and smaller values mean no visible difference.
 constexpr double least_mm = 0.01;
 
-/// A line "cost worst label" for each engine of a scene whose name starts like this; the rest of the name is the label.
+/// A line "cost worst label" for each engine of a scene whose name begins with `product`. The rest of the name is the
+/// label.
 std::string points_of(const Json& scene, const std::string& product) {
     std::ostringstream out;
     for (const Json& run : scene.at("engines")) {
@@ -32,7 +33,8 @@ std::string points_of(const Json& scene, const std::string& product) {
     return out.str();
 }
 
-/// A panel a scene: time of a tick across, millimetres up, both logarithmic; nearer to the lower left is better.
+/// A panel for each scene: the time of a tick on the x axis, millimetres on the y axis, both logarithmic. Points near
+/// the lower left corner are better.
 std::string front_script(const Json& front) {
     std::ostringstream out;
     out << "set multiplot layout 2,3 title 'Cost against quality: Lockstone by substeps, Bullet by "
@@ -59,7 +61,7 @@ std::string front_script(const Json& front) {
     return out.str();
 }
 
-/// A group a scene: the ratio in this run, what it must be, and the goal.
+/// A group of bars for each scene: the measured ratio, its bound and the goal.
 std::string ratio_script(const Json& scenes) {
     std::ostringstream out;
     out << "$ratios << EOD\n";
@@ -81,7 +83,7 @@ std::string ratio_script(const Json& scenes) {
     return out.str();
 }
 
-/// In single quotes gnuplot takes everything as it is, but for those.
+/// gnuplot changes only single quotes in a text in single quotes.
 std::string quoted(const std::string& text) {
     std::string out = "'";
     for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);

@@ -1,4 +1,4 @@
-// Pictures of what was measured, for gnuplot to draw as SVG.
+// gnuplot scripts that draw results as SVG.
 #pragma once
 
 #include "bench/contest.h"
@@ -6,8 +6,8 @@
 
 namespace lockstone::bench {
 
-/// Of `front`, where it was measured: cost against quality, scene by scene. Else of the scenes: Bullet / ours beside what it
-/// must be.
+/// A script that draws `front` if the results have it: cost against quality for each scene. Otherwise it draws the time
+/// ratio Bullet / Lockstone of each scene beside its bound.
 Result<std::string> plot_script(const Json& results, const std::string& file);
 
 } // namespace lockstone::bench

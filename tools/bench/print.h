@@ -1,4 +1,4 @@
-// The same figures as --json, for people.
+// Prints the figures of --json as text.
 #pragma once
 
 #include "bench/contest.h"
@@ -6,10 +6,10 @@
 namespace lockstone::bench {
 
 void print_settings(const Json& settings);
-/// A row as run_parts hands it over, under the key it has there.
+/// Prints a row from run_parts; `key` is the row's key in the results.
 void print_row(const std::string& key, const Json& row);
 void print_instructions(const Json& rows);
-/// Microseconds a tick by phase, the longest first.
+/// Prints the microseconds of a tick by phase, the longest first.
 void print_profile(const Json& scenes);
 
 } // namespace lockstone::bench

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int traced_ticks = 60;
 
-/// Reads the clock whenever a phase has passed.
+/// Reads the clock at the end of each phase.
 class PhaseClock final : public PhaseObserver {
   public:
     struct Span {
@@ -27,13 +27,13 @@ class PhaseClock final : public PhaseObserver {
         spans.push_back({phase, last, now});
         last = now;
     }
-    std::vector<Span> spans = {}; ///< since they were cleared
+    std::vector<Span> spans = {}; ///< since the list was cleared
 
   private:
     double last = 0;
 };
 
-/// One event of a Chrome trace: complete, with its duration.
+/// A complete event (with its duration) of a Chrome trace.
 Json event_of(const PhaseClock::Span& span, std::size_t scene) {
     return {{"name", span.phase}, {"ph", "X"}, {"ts", span.from_us}, {"dur", span.to_us - span.from_us},
             {"pid", scene + 1},   {"tid", 1}};
@@ -45,13 +45,13 @@ Json profile_scene(const BenchScene& scene, const engines::Contestant& who, int 
     World& world = world_of(*engine);
     PhaseClock clock;
     world.observe_phases(&clock);
-    std::map<std::string, std::vector<double>> spent; // by tick
+    std::map<std::string, std::vector<double>> spent; // by phase, then by tick
     for (int tick = 0; tick < ticks; ++tick) {
         if (scene.script) scene.script(*engine, tick);
         clock.spans.clear();
         clock.start();
         timed_act(scene, *engine, tick);
-        std::map<std::string, double> sums; // a phase may pass several times
+        std::map<std::string, double> sums; // a phase may run several times in a tick
         for (const PhaseClock::Span& span : clock.spans) {
             sums[span.phase] += span.to_us - span.from_us;
             if (tick >= ticks - traced_ticks) events.push_back(event_of(span, index));

@@ -1,4 +1,4 @@
-// Where a tick's time goes, phase by phase. The clock is here, outside of the engine, which only says what it has done.
+// Measures the time of a tick by phase. The engine itself reads no clock; it only reports the end of each phase.
 #pragma once
 
 #include "bench/contest.h"
@@ -6,9 +6,9 @@
 
 namespace lockstone::bench {
 
-/// Runs each scene in Lockstone and writes all phases of the last 60 ticks to `file`, as a Chrome trace (chrome://tracing,
-/// ui.perfetto.dev). Returns, for each scene, what each phase takes of a tick: the median of
-/// all ticks, for the clock is the wall's and the machine does other things too.
+/// Runs each scene in Lockstone and writes all phases of the last 60 ticks to `file`, as a Chrome trace
+/// (chrome://tracing, ui.perfetto.dev). Returns the time of each phase for each scene: the median over all ticks,
+/// because the clock is the wall clock and includes other work of the machine.
 Result<Json> profile(const std::vector<BenchScene>& scenes, const engines::Contestant& who, int ticks,
                      const std::string& file);
 

@@ -18,7 +18,8 @@ bool is_lost(const BenchScene& scene, V3 at) {
            std::abs(at.z) > scene.half_side;
 }
 
-/// The scene as it stands now, at rest; who is lost is put where nobody is. Joints stay, for whom they connect may overlap.
+/// A copy of the scene with the current poses and without motion. Lost bodies are moved far away from all others.
+/// Joints are kept, because the bodies that they connect may overlap.
 Scene still_scene(const BenchScene& scene, const Engine& engine) {
     Scene still = scene.scene;
     still.gravity = {};
@@ -31,7 +32,7 @@ Scene still_scene(const BenchScene& scene, const Engine& engine) {
         body.position = lost ? V3{3.0 * static_cast<double>(i), 1e4, 1e4} : now.position;
         body.rotation = lost ? Turn{} : now.rotation;
     }
-    still.humans.clear(); // whose bodies and joints are among those of the scene
+    still.humans.clear(); // their bodies and joints are also in the lists of the scene
     still.cars.clear(), still.walkers.clear(), still.probes.clear();
     for (Joint& joint : still.joints) {
         joint.limit = joint.motor_force = joint.friction = joint.spring_hertz = 0;
@@ -43,7 +44,7 @@ Scene still_scene(const BenchScene& scene, const Engine& engine) {
 
 void measure_overlap(const BenchScene& scene, const Engine& engine, Quality& quality) {
     const auto measure = make_lockstone({}, still_scene(scene, engine));
-    measure->advance(1); // its contacts are those of the poses that the tick began with
+    measure->advance(1); // its contacts belong to the poses at the begin of the tick
     const World& world = world_of(*measure);
     for (const World::ContactPoint& point : world.contacts()) {
         const double overlap = -1e3 * to_double(point.separation);

@@ -11,7 +11,7 @@ namespace {
 
 using namespace engines;
 
-/// Where the i-th of many is dropped: layers of `side` x `side`, a little out of line.
+/// The start of the i-th body: layers of `side` x `side`, each body a little off its grid place.
 V3 place_in_layers(int i, int side, double across, double up, Random& random) {
     const int layer = i / (side * side), column = i % side, row = i / side % side;
     const double middle = 0.5 * (side - 1);
@@ -76,7 +76,7 @@ BenchScene hulls(Size) {
     return made;
 }
 
-/// Without bounds.
+/// A scene without bounds.
 BenchScene fallen_ragdolls(const char* name, const char* about, Body floor) {
     BenchScene made{.name = name, .about = about};
     Random random(4);
@@ -168,7 +168,7 @@ BenchScene many_pyramids(Size size) {
     return made;
 }
 
-/// A curtain of balls. Every third of its top row is held, so that no two that are held are joined.
+/// A curtain of balls. Every third ball of the top row is static, so that no joint connects two static balls.
 BenchScene joint_grid(Size size) {
     const int side = size == Size::full ? 100 : 10;
     BenchScene made{.name = "grid", .about = "a curtain of 10,000 balls and 19,800 ball joints"};
@@ -182,7 +182,7 @@ BenchScene joint_grid(Size size) {
                 made.scene.joints.push_back({.a = other, .b = now, .anchor = (a + ball.position) / 2});
             };
             if (column > 0) {
-                // The adapters want the body that moves last.
+                // The adapters need the moving body as the last argument.
                 if (ball.mass != 0)
                     join(now - 1);
                 else
@@ -191,11 +191,11 @@ BenchScene joint_grid(Size size) {
             }
             if (row > 0) join(now - side);
         }
-    for (int i = 0; i < side * side; ++i) // a gust
+    for (int i = 0; i < side * side; ++i) // a gust of wind
         if (Body& ball = made.scene.bodies[static_cast<std::size_t>(i)]; ball.mass != 0)
             ball.velocity = {0, 0, 2};
     made.ticks = made.judged_after = 120, made.landed_after = 0, made.counted_from = 80, made.floor = -300;
-    made.target.instructions_must = 6000e-6 * 19800; // 6,000 a joint
+    made.target.instructions_must = 6000e-6 * 19800; // 6,000 instructions a joint
     return made;
 }
 

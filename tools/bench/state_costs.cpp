@@ -11,7 +11,7 @@ namespace {
 
 using namespace engines;
 
-/// A scene in Lockstone that goes on by its script.
+/// A scene in Lockstone that its script drives on.
 struct Play {
     Play(const BenchScene& s, const Contestant& who)
         : scene(s), engine(make_lockstone(who, s.scene)), world(world_of(*engine)) {}
@@ -25,7 +25,7 @@ struct Play {
     World& world;
 };
 
-/// Medians of what is done after a tick, when its caches are full of other things [us].
+/// Medians of operations after a tick, when the caches hold other data [us].
 struct MemoryCosts {
     std::size_t bytes = 0;
     double save = 0, restore = 0, hash = 0, copy = 0;
@@ -39,7 +39,7 @@ MemoryCosts memory_costs(Play& play, int repeats) {
     const std::vector<std::byte> from(costs.bytes, std::byte{1});
     std::vector<std::byte> to(costs.bytes);
     std::vector<double> save, restore, hash, copy;
-    volatile std::uint64_t kept = 0; // so that nothing is left out
+    volatile std::uint64_t kept = 0; // keeps the compiler from removing the hashes
     for (int i = 0; i < repeats; ++i) {
         play.step();
         hash.push_back(wall_us([&] { kept = world.hash(); }));
@@ -58,7 +58,7 @@ MemoryCosts memory_costs(Play& play, int repeats) {
     return costs;
 }
 
-/// `depth` ticks, and then the same once more as a rollback: restored, and saved after each tick.
+/// Runs `depth` ticks, then the same ticks once more as a rollback: restores the start, and saves after each tick.
 Json rollback_cost(Play& play, int depth, int repeats) {
     World& world = play.world;
     Image start;
@@ -121,7 +121,8 @@ Json awake_costs(bool quick) {
         BenchScene scene = resting_boxes(count);
         scene.scene.sleeping = true;
         const int awake = static_cast<int>(fraction * count);
-        scene.script = [awake](Engine& engine, int) { // they would fall asleep after half a second
+        // Without kicks they would fall asleep after half a second.
+        scene.script = [awake](Engine& engine, int) {
             for (int i = 1; i <= awake; ++i) engine.kick(i, {});
         };
         Play play(scene, {.name = "Lockstone"});

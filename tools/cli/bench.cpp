@@ -1,4 +1,4 @@
-// lockstone bench
+// The command `lockstone bench`.
 #include "bench/instructions.h"
 #include "bench/parts.h"
 #include "bench/plot.h"
@@ -48,7 +48,8 @@ void describe(CLI::App& command, Args& args) {
     add_text(command, "--keep", args.keep, "with --instructions: a folder for the files of callgrind");
     add_text(command, "--profile", args.profile, "FILE.json: the chosen scenes by phases, as a Chrome trace");
     add_text(command, "--plot", args.plot, "FILE.svg: a picture of the scenes, or of 'front', by gnuplot");
-    add_text(command, "--counted", args.counted, "").hide(); // what --instructions runs under callgrind
+    // Set by --instructions for its child process under callgrind.
+    add_text(command, "--counted", args.counted, "").hide();
 }
 
 void print(const Args& args, const Json& rows, void (*print_rows)(const Json&)) {
@@ -72,7 +73,7 @@ Result<Exit> measure(const Args& args, const bench::Plan& plan) {
     return Exit::good;
 }
 
-/// At commas.
+/// The parts of a text between commas.
 std::vector<std::string> split(const std::string& names) {
     std::vector<std::string> parts;
     std::istringstream in(names);

@@ -14,7 +14,8 @@
 namespace lockstone::cli {
 namespace {
 
-/// One sentence on one line. What files and arguments brought into it is shown, not sent to the terminal.
+/// Prints one sentence on one line of stderr and returns the status for bad input. shown() escapes control characters
+/// that come from files and arguments.
 int report_bad_input(std::string sentence) {
     constexpr std::size_t longest = 4000;
     std::ranges::replace(sentence, '\n', ' ');
@@ -22,15 +23,16 @@ int report_bad_input(std::string sentence) {
     return static_cast<int>(Exit::bad_input);
 }
 
-/// The status that the program ends with, unless something that it printed was lost. Lines are written as they come, so the
-/// last flush alone does not tell.
+/// The exit status of the program: `status`, or bad input if some output was lost. Lines are written as they are
+/// printed, so ferror is checked too: the last flush may succeed although an earlier write failed.
 int after_output(int status) {
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
     return report_bad_input("standard output: cannot write");
 }
 
-/// Where the caller has closed standard output, the first file that is opened would take its place, and what is printed would go
-/// into it. The replacement refuses writes.
+/// Opens /dev/null for standard files that the caller has closed. Otherwise the next file that is opened would take the
+/// place of standard output, and printed lines would go into it. /dev/null is opened for reading only, so writes to it
+/// fail.
 void hold_standard_files() {
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (::fcntl(descriptor, F_GETFD) < 0) static_cast<void>(::open("/dev/null", O_RDONLY));
@@ -63,14 +65,14 @@ void add_all(CLI::App& app, Work& work) {
 #endif
 }
 
-/// Told before parsing: the parser would only say that a command is missing.
+/// Checked before parsing, because the parser would only report that a command is missing.
 bool is_unknown_command(const CLI::App& app, int argc, char** argv) {
     if (argc < 2 || argv[1][0] == '-') return false;
     const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
     return std::ranges::none_of(commands, [&](const CLI::App* c) { return c->get_name() == argv[1]; });
 }
 
-/// Empty when `text` is a number of the range, else the sentence.
+/// Empty if `text` is a number in the range, else an error sentence.
 std::string check_number(const std::string& text, std::uint64_t low, std::uint64_t high) {
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -87,7 +89,7 @@ Option add_checked(CLI::App& command, const std::string& name, N& value, const s
     return Option(option);
 }
 
-/// Empty when `text` is a number of the range, else the sentence.
+/// Empty if `text` is a number in the range, else an error sentence.
 std::string check_real(const std::string& text, double low, double high) {
     double given = 0;
     if (CLI::detail::lexical_cast(text, given) && given >= low && given <= high) return {};
@@ -193,7 +195,8 @@ std::unique_ptr<Tasks> tasks_of(std::uint32_t threads) {
 
 int run_command_line(int argc, char** argv) {
     hold_standard_files();
-    std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16); // a run that is killed leaves the lines that it printed
+    // Line buffered: a run that is killed leaves the lines that it printed.
+    std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16);
     CLI::App app("Runs, records, replays and verifies deterministic worlds.", "lockstone");
     app.require_subcommand(1);
     app.footer("Exit status: 0 good; 1 a check failed; 2 bad usage or bad input.");

@@ -1,4 +1,4 @@
-// lockstone compare
+// The command `lockstone compare`.
 #include "cli/commands.h"
 #include "cli/gnuplot.h"
 #include "cli/text.h"
@@ -53,7 +53,7 @@ void describe(CLI::App& command, Args& args) {
     add_flag(command, "--json", args.json, "for programs");
 }
 
-/// All that was found.
+/// The results of a comparison.
 struct Found {
     std::size_t bodies = 0;
     double tick_rate = 60;
@@ -63,7 +63,7 @@ struct Found {
 
 double size_of(const reference::Vec& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
-/// The first tick whose sample is so; 0 for none.
+/// The tick of the first sample that fulfils `is`; 0 if no sample does.
 template <class Is> std::uint64_t first_tick(const std::vector<Sample>& samples, Is is) {
     const auto found = std::find_if(samples.begin(), samples.end(), is);
     return found == samples.end() ? 0 : found->tick;

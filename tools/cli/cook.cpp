@@ -1,4 +1,4 @@
-// lockstone cook
+// The command `lockstone cook`.
 #include "cook/cook.h"
 #include "cli/commands.h"
 #include "cli/text.h"
@@ -100,8 +100,8 @@ void print(const Args& args, const cook::Cooked& made) {
     if (made.parts > 0) std::printf(", %zu %s", made.parts, made.parts == 1 ? "part" : "parts");
     std::printf(", %zu bytes\ndeviation %.3g m, %.3g m are aimed for and %.3g m allowed\n", made.bytes(),
                 made.deviation, made.deviation_aimed, made.deviation_max);
-    constexpr double rounding =
-        1e-6; // [m]: of coordinates; beyond a convex model the hull reaches no further
+    // [m], of coordinates: the hull of a convex model extends no further beyond the model.
+    constexpr double rounding = 1e-6;
     if (made.kind == ShapeKind::hull && made.gap > std::max(made.deviation_max, rounding))
         std::printf("the model is concave: the hull reaches %.3g m beyond it (--as convex follows it)\n",
                     made.gap);

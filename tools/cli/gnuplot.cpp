@@ -8,8 +8,8 @@ namespace lockstone::cli {
 
 Status draw(const std::string& script, const std::string& file) {
     constexpr int absent = 127;
-    // Its standard output is not ours: what it cannot write into the file it would print there. It reads all of the script in any
-    // case, so that no write goes to a closed pipe.
+    // The standard output of gnuplot is dropped: gnuplot prints a picture there that it cannot write into the file.
+    // `cat` reads the rest of the script in every case, so that no write goes to a closed pipe.
     std::FILE* const gnuplot =
         ::popen("if command -v gnuplot >/dev/null; then gnuplot >/dev/null; status=$?; else "
                 "status=127; fi; cat >/dev/null; exit $status",

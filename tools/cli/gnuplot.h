@@ -1,4 +1,4 @@
-// Pictures for people, drawn by gnuplot.
+// Draws pictures with gnuplot.
 #pragma once
 
 #include "lockstone/result.h"
@@ -7,7 +7,8 @@
 
 namespace lockstone::cli {
 
-/// Runs a script that writes `file`; check_outputs has checked that it can be written. Drops the messages of gnuplot.
+/// Runs a gnuplot script that writes `file`, and drops gnuplot's messages. The caller has checked with check_outputs
+/// that the file can be written.
 Status draw(const std::string& script, const std::string& file);
 
 } // namespace lockstone::cli

@@ -12,7 +12,7 @@
 namespace lockstone::cli {
 namespace {
 
-/// "7f00" as bytes of exactly `size`, or nothing.
+/// Parses "7f00" into exactly `size` bytes; nothing if the text does not fit.
 std::optional<std::vector<std::byte>> bytes_of_hex(const std::string& text, std::size_t size) {
     if (text == "-") return std::vector<std::byte>(size);
     if (text.size() != 2 * size) return std::nullopt;
@@ -31,7 +31,8 @@ template <class N> bool read_number(const std::string& text, N& value) {
     return error == std::errc{} && end == text.data() + text.size();
 }
 
-/// Reads one line without its comment into `held`; empty when good, else what is wrong with it.
+/// Reads one line, whose comment is already removed, into `held`. Returns an empty text, or what is wrong with the
+/// line.
 std::string read_line(const std::string& line, std::uint32_t input_size,
                       std::vector<std::vector<HeldInput>>& held) {
     std::istringstream words(line);
@@ -81,7 +82,8 @@ InputSource InputSource::scripted(const Game& game, std::uint64_t seed) {
     return source;
 }
 
-/// A pipe or a device is none: a recording is read more than once.
+/// True if the file starts like a recording. Pipes and devices are no recordings, because a recording is read more than
+/// once.
 static bool is_recording(const std::string& path) {
     std::error_code none;
     if (!std::filesystem::is_regular_file(path, none)) return false;
@@ -95,7 +97,7 @@ InputSource InputSource::idle(const Game& game) { return InputSource(game); }
 Result<InputSource> InputSource::open(const Game& game, const std::string& path) {
     InputSource source(game);
     if (!is_recording(path)) {
-        constexpr std::size_t longest = std::size_t{64} << 20; // of hundreds of hours of key presses
+        constexpr std::size_t longest = std::size_t{64} << 20; // enough for hundreds of hours of key presses
         Result<std::string> text = read_file(path, longest);
         if (!text) return text.error();
         auto held = parse_inputs(*text, path, game.player_count(), game.input_size());

@@ -25,7 +25,8 @@ void note(int signal) {
 
 Interrupt::Interrupt() {
     for (const int signal : caught)
-        if (std::signal(signal, note) == SIG_IGN) std::signal(signal, SIG_IGN); // as under nohup
+        // An ignored signal stays ignored, as under nohup.
+        if (std::signal(signal, note) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
 Interrupt::~Interrupt() {

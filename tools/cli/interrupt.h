@@ -1,4 +1,4 @@
-// SIGTERM, SIGHUP and Ctrl-C while something is recorded: the recording is ended first.
+// Handles SIGTERM, SIGHUP and Ctrl-C during a recording, so that the recording is closed before the program ends.
 //
 //   const Interrupt interrupt;
 //   while (ticks are left && !interrupt.came()) ...
@@ -8,7 +8,7 @@
 
 namespace lockstone::cli {
 
-/// Catches the signals while it lives; a second one ends the program at once.
+/// Catches the signals during its lifetime. A second signal ends the program at once.
 class Interrupt {
   public:
     Interrupt();
@@ -17,7 +17,7 @@ class Interrupt {
     ~Interrupt();
 
     bool came() const;
-    /// Does nothing when no signal came; else does not return: the caller's shell sees the signal.
+    /// Returns if no signal came. Otherwise ends the program by that signal, so that the caller's shell sees it.
     void follow() const;
 };
 

@@ -1,4 +1,4 @@
-// A progress bar on a terminal, nothing in a pipe.
+// A progress bar on a terminal. In a pipe it prints nothing.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@ class Progress {
     Progress(std::string what, std::uint64_t total);
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
-    ~Progress(); ///< wipes the line
+    ~Progress(); ///< erases the line
 
     void at(std::uint64_t done);
-    /// Before a line on stdout; the next at() draws it again.
+    /// Erases the bar before a line is printed to stdout; the next at() draws it again.
     void wipe();
 
   private:
     std::string label;
     std::uint64_t total;
-    std::uint64_t shown = ~std::uint64_t{0}; ///< hundredths
+    std::uint64_t shown = ~std::uint64_t{0}; ///< hundredths that the bar shows
     bool on;
 };
 

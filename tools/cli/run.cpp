@@ -1,4 +1,4 @@
-// lockstone run
+// The command `lockstone run`.
 #include "cli/input_source.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
@@ -39,7 +39,7 @@ void describe(CLI::App& command, Args& args) {
     add_text(command, "--report", args.report, "write numbers about the run as JSON");
 }
 
-/// What a run leaves behind besides its last state.
+/// The results of a run besides its last state.
 struct Outputs {
     std::optional<replay::FileSink> sink;
     std::optional<replay::InputRecorder> recorder;
@@ -63,7 +63,7 @@ Status open_outputs(const Args& args, const Started& started, Outputs& out) {
     return {};
 }
 
-/// Of the rules of a scene.
+/// An error of the scene's rules, with its tick.
 Error fail_at(std::uint64_t tick, const Error& error) {
     return {"tick " + std::to_string(tick) + ": the game's rules fail: " + error.message};
 }
@@ -92,7 +92,7 @@ Status close_outputs(const Args& args, Started& started, Outputs& out) {
 }
 
 Result<Exit> run(const Args& args) {
-    // Tries the outputs before the work, so that the error of an unwritable one comes at once.
+    // Checks the outputs before the run, so that an output that cannot be written is reported at once.
     if (Status s = check_outputs({args.record, args.hashes, args.report}, {args.input}); !s) return s.error();
     Result<Started> started = start(args.choice);
     if (!started) return started.error();

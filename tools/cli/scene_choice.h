@@ -1,4 +1,4 @@
-// SCENE --size --seed --players: the same on every command that takes a scene.
+// The arguments SCENE, --size, --seed and --players, which are equal in every command that takes a scene.
 #pragma once
 
 #include "cli/commands.h"
@@ -17,10 +17,10 @@ struct Started {
     std::unique_ptr<Game> game;
     World world;
 };
-/// The scene and its world before tick 0.
+/// Creates the scene and its world before tick 0.
 Result<Started> start(const SceneChoice& choice);
 
-/// The scene that a recording was made with.
+/// Creates the scene that a recording was made with.
 Result<std::unique_ptr<Game>> scene_of_recording(const std::string& file, const std::string& game_name);
 
 } // namespace lockstone::cli

@@ -1,4 +1,4 @@
-// lockstone scenes
+// The command `lockstone scenes`.
 #include "scenes/scenes.h"
 #include "cli/commands.h"
 #include "json/json.h"

@@ -1,4 +1,4 @@
-// lockstone self-test
+// The command `lockstone self-test`.
 #include "cli/commands.h"
 #include "cli/text.h"
 #include "lockstone/prove.h"

@@ -1,4 +1,4 @@
-// lockstone synctest
+// The command `lockstone synctest`.
 #include "cli/progress.h"
 #include "cli/scene_choice.h"
 #include "cli/text.h"
@@ -25,7 +25,7 @@ void describe(CLI::App& command, Args& args) {
     add_text(command, "--plant", args.plant, "plant a fault: leave this column out of the snapshots");
 }
 
-/// Sessions have at least one player: gives one to a scene that has none, who presses nothing.
+/// A session needs at least one player. This wrapper adds a player without input to a scene that has none.
 class WithPlayer final : public Game {
   public:
     explicit WithPlayer(const Game& rules) : game(rules) {}
@@ -54,7 +54,7 @@ Result<Exit> synctest(const Args& args) {
     Result<Started> started = start(args.choice);
     if (!started) return started.error();
     if (Status s = check_column(started->world, args.plant); !s) return s.error();
-    if (args.ticks <= args.depth) // no tick has so many before it
+    if (args.ticks <= args.depth) // no tick has so many ticks before it
         return Error{args.choice.scene + ": in " + std::to_string(args.ticks) +
                      " ticks none can be rolled back by " + std::to_string(args.depth) +
                      ", so nothing would be compared: --ticks must be more than --depth"};

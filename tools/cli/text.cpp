@@ -18,8 +18,8 @@ std::string hash_text(std::uint64_t hash) {
 
 namespace {
 
-/// How many bytes the first character of `text` has; 0: it is none that a terminal may have. Not: the longer of two ways to write
-/// one, halves of pairs, and what controls the terminal.
+/// The number of bytes of the first character of `text`; 0 if a terminal must not receive it. Excluded are overlong
+/// UTF-8 forms, surrogate halves and control characters.
 std::size_t size_of_character(std::string_view text) {
     const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
     const std::uint8_t first = byte(0);
@@ -31,8 +31,8 @@ std::size_t size_of_character(std::string_view text) {
         if ((byte(i) & 0xc0) != 0x80) return 0;
         code = code << 6 | (byte(i) & 0x3fu);
     }
-    constexpr std::uint32_t least[] = {0xa0, 0x800,
-                                       0x10000}; // of 2, 3 and 4 bytes; 0x80 to 0x9f are controls
+    // The smallest code points of 2, 3 and 4 bytes; 0x80 to 0x9f are controls.
+    constexpr std::uint32_t least[] = {0xa0, 0x800, 0x10000};
     const bool is_half = code >= 0xd800 && code < 0xe000;
     return code >= least[size - 2] && code <= 0x10ffff && !is_half ? size : 0;
 }
@@ -90,7 +90,7 @@ Status check_writable(const std::string& path) {
     std::FILE* const file = std::fopen(path.c_str(), "ab");
     if (file == nullptr) return Error{path + ": cannot write: " + std::strerror(errno)};
     std::fclose(file);
-    // The target of a link stays, empty: this function does not remove the link of a user.
+    // The target of a dangling link stays as an empty file: removing the path would remove the user's link.
     if (is_new && !std::filesystem::is_symlink(std::filesystem::symlink_status(path, none)))
         std::filesystem::remove(path, none);
     return {};
@@ -98,7 +98,8 @@ Status check_writable(const std::string& path) {
 
 namespace {
 
-/// Regular files only: /dev/null and a terminal may be named as often as one likes. None of them need exist.
+/// True for two names of one regular file; the files need not exist. /dev/null and a terminal may be named several
+/// times.
 bool is_same_file(const std::string& a, const std::string& b) {
     namespace fs = std::filesystem;
     std::error_code none;

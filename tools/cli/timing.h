@@ -1,4 +1,4 @@
-// Wall time for reports. Nothing here enters a simulation.
+// Wall time for reports. No simulation reads it.
 #pragma once
 
 #include <chrono>
@@ -13,13 +13,13 @@ inline double microseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
-/// The value below which `fraction` of the samples lie; 0 for none.
+/// The value below which `fraction` of the samples lie; 0 without samples.
 double percentile(std::vector<double> samples, double fraction);
 inline double median(std::vector<double> samples) { return percentile(std::move(samples), 0.5); }
 /// Median of `repeats` runs [us].
 double median_us(int repeats, const std::function<void()>& run);
 
-/// What keeping and bringing back a world costs, beside one memcpy of the same bytes.
+/// The cost of saving, restoring and hashing a world, and of one memcpy of as many bytes.
 struct SnapshotCost {
     std::size_t bytes;
     double save_us, restore_us, memcpy_us, hash_us;

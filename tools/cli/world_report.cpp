@@ -38,7 +38,7 @@ double median_us(int repeats, const std::function<void()>& run) {
 
 SnapshotCost measure_snapshot(const World& world) {
     constexpr int repeats = 31;
-    // As in a rollback: each after a tick, of what that tick has written.
+    // As in a rollback, each measurement follows a tick and works on the data that this tick has written.
     World other = world.clone();
     Image image;
     other.save(image); // allocates once
@@ -46,7 +46,7 @@ SnapshotCost measure_snapshot(const World& world) {
     cost.bytes = image.size();
     const std::vector<std::byte> from(cost.bytes, std::byte{1});
     std::vector<std::byte> to(cost.bytes);
-    volatile std::uint64_t kept = 0; // so that no hash is left out
+    volatile std::uint64_t kept = 0; // keeps the compiler from removing the hashes
     std::vector<double> saving, restoring, hashing;
     for (int i = 0; i < repeats; ++i) {
         other.tick();

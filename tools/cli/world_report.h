@@ -1,4 +1,4 @@
-// Numbers about a world at the end of a run, and what its snapshots cost.
+// Figures about a world at the end of a run, and the cost of its snapshots.
 #pragma once
 
 #include "cli/timing.h"
@@ -11,12 +11,12 @@ namespace lockstone::cli {
 
 SnapshotCost measure_snapshot(const World& world);
 
-/// Remembers where bodies start, and tells at the end how far they came.
+/// Stores where bodies start, and reports at the end how far they moved.
 class WorldReport {
   public:
     explicit WorldReport(const World& start);
     void add_tick(double microseconds, const World& world);
-    /// The keys that the design lists; lengths in metres, energies in joules, times in microseconds.
+    /// The report. Lengths are in metres, energies in joules, times in microseconds.
     json::Value json(World& end) const;
 
   private:

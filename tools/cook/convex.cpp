@@ -14,7 +14,8 @@ extern "C" {
 namespace lockstone::cook {
 namespace {
 
-/// One run of qhull with the options of its command line. Its errors leave by longjmp through C frames alone and come back as an exit code.
+/// One run of qhull with command-line options. Its errors leave by longjmp through C frames only; the run then has an
+/// exit code.
 class Run {
   public:
     Run(std::vector<double> coordinates, std::string options)
@@ -31,7 +32,7 @@ class Run {
         qh_memfreeshort(&qh, &left, &total);
     }
 
-    /// The corners' indices, triangle by triangle; the turn of each is what qhull has.
+    /// The indices of the corners, triangle by triangle, in the winding that qhull gives.
     std::vector<Indices> triangles() {
         std::vector<Indices> out;
         for (facetT* facet = qh.facet_list; facet != nullptr && facet->next != nullptr; facet = facet->next) {
@@ -49,7 +50,7 @@ class Run {
         }
         return out;
     }
-    /// qhull reports points with one x, y or z as wrong input.
+    /// qhull reports points that all have one x, y or z as wrong input.
     bool is_flat() const { return exit_code == qh_ERRsingular || exit_code == qh_ERRinput; }
     int exit_code = 0;
 
@@ -85,7 +86,7 @@ void fill_planes(Convex& hull) {
         const auto [a, b, c] = hull.surface.corners(i);
         const Point n = cross(b - a, c - a);
         const double size = length(n), longest = std::max({length(b - a), length(c - b), length(a - c)});
-        if (size <= 1e-9 * longest * longest) continue; // a needle's normal says nothing
+        if (size <= 1e-9 * longest * longest) continue; // the normal of a needle is not accurate
         const Point unit = n * (1 / size);
         hull.planes.push_back({unit, std::max({dot(unit, a), dot(unit, b), dot(unit, c)})});
     }
@@ -122,7 +123,7 @@ void centre_of_ball(const void* object, ccd_vec3_t* out) {
     ccdVec3Set(out, centre.x, centre.y, centre.z);
 }
 
-/// The mean, which is inside for sure.
+/// The mean of the points, which is certainly inside.
 void centre_of_points(const void* object, ccd_vec3_t* out) {
     const auto& points = *static_cast<const std::vector<Point>*>(object);
     Point sum;
@@ -154,13 +155,14 @@ double Convex::way_out(Point p, Point direction) const {
 
 Result<Convex> convex_hull(std::span<const Point> points) {
     if (points.size() < 4) return flat_error();
-    // About the middle: far from the origin digits would be lost.
+    // The points are moved to the origin, because far from it digits would be lost.
     const std::vector<Point> all(points.begin(), points.end());
     const Point shift = middle(all);
     std::vector<double> coordinates;
     for (const Point& p : all)
         for (int axis = 0; axis < 3; ++axis) coordinates.push_back(p[axis] - shift[axis]);
-    // Facets that qhull cannot merge within its precision end the first run; the second moves the points by some 1e-13 of their extent.
+    // The first run fails if qhull has facets that it cannot merge within its precision. The second run ("QJ") moves
+    // the points by about 1e-13 of their extent.
     auto run = std::make_unique<Run>(coordinates, "qhull Qt Pp");
     if (run->exit_code != qh_ERRnone && !run->is_flat())
         run = std::make_unique<Run>(std::move(coordinates), "qhull QJ Pp");
@@ -184,7 +186,7 @@ Result<Convex> convex_hull(std::span<const Point> points) {
 
 namespace {
 
-/// The first corners: the ends of the hull along some directions, as many as span a volume.
+/// The first corners: the extreme points of the hull in some directions, which span a volume.
 std::vector<Point> first_corners(const std::vector<Point>& corners) {
     std::vector<Point> out;
     const auto add_end = [&](Point way) {
@@ -202,7 +204,8 @@ std::vector<Point> first_corners(const std::vector<Point>& corners) {
     return out;
 }
 
-/// A tetrahedron among the corners: the two farthest apart, then the farthest from their line, then from the plane.
+/// A tetrahedron of corners: the two that are farthest apart, then the farthest from their line, then the farthest from
+/// the plane of the three.
 std::vector<Point> wide_tetrahedron(const std::vector<Point>& corners) {
     const auto best = [&](auto&& score) {
         return *std::max_element(corners.begin(), corners.end(),
@@ -227,7 +230,8 @@ Result<Convex> reduced(const Convex& hull, std::uint32_t corners_max) {
     if (!now) now = convex_hull(chosen = wide_tetrahedron(corners));
     if (!now) return now;
     const double enough = 1e-9 * bounds_of(corners).largest();
-    // How far each corner is outside, when that was last computed: a larger hull only brings corners nearer.
+    // The distance of each corner outside of the hull when it was last computed. It is an upper bound, since a larger
+    // hull only comes nearer to the corners.
     std::vector<std::pair<double, std::size_t>> outside;
     for (std::size_t i = 0; i < corners.size(); ++i) outside.emplace_back(now->beyond(corners[i]), i);
     const auto is_nearer = [](const auto& a, const auto& b) {
@@ -261,7 +265,7 @@ double distance(const Convex& hull, Point p) {
 }
 
 bool ball_meets(const Convex& hull, Point centre, double radius) {
-    // Portal refinement: libccd's GJK misses one contact in thirty where a ball's centre is near a corner.
+    // Portal refinement, because libccd's GJK misses some contacts of a ball whose centre is near a corner.
     const Ball ball{centre, radius};
     ccd_t ccd;
     CCD_INIT(&ccd);

@@ -1,4 +1,4 @@
-// Convex hulls in double precision, by qhull; and hulls of fewer corners with little deviation.
+// Convex hulls in double precision by qhull, and simplified hulls with fewer corners.
 #pragma once
 
 #include "cook/soup.h"
@@ -11,31 +11,32 @@ namespace lockstone::cook {
 /// A closed convex surface. Every vertex is a corner.
 struct Convex {
     struct Plane {
-        Point normal;  ///< of length 1, outward
-        double offset; ///< all of the hull is at normal . x <= offset
+        Point normal;  ///< unit length, points outwards
+        double offset; ///< the whole hull is at normal . x <= offset
     };
     Soup surface;
-    std::vector<Plane> planes; ///< those of triangles with area
+    std::vector<Plane> planes; ///< planes of the triangles that have an area
     double volume = 0;         ///< [m^3]
 
-    /// How far the point is beyond the plane that it is farthest beyond; negative inside [m].
+    /// The largest distance of the point beyond a plane of the hull; negative inside [m].
     double beyond(Point p) const;
-    /// True if the point is inside, and at least so far from every plane.
+    /// True if the point is inside and at least `depth` away from every plane [m].
     bool holds(Point p, double depth) const;
-    /// How far it is from a point inside along a direction of length 1 to where the hull ends [m].
+    /// The distance from a point inside to the surface, in a direction of unit length [m].
     double way_out(Point p, Point direction) const;
 };
 
-/// Error when fewer than four points remain, or all lie in one plane to within qhull's precision.
+/// The hull of the points. An error if fewer than four points remain, or if all lie in one plane within qhull's
+/// precision.
 Result<Convex> convex_hull(std::span<const Point> points);
 
-/// A hull of at most `corners_max` (>= 4) of the hull's corners: again and again the corner that is farthest outside
-/// is added to what is there. The result lies inside the hull.
+/// A hull of at most `corners_max` (>= 4) corners of the hull. Repeatedly adds the corner that is farthest outside. The
+/// result lies inside the hull.
 Result<Convex> reduced(const Convex& hull, std::uint32_t corners_max);
 
-/// Distance to the convex body, by its nearest triangle; 0 inside [m].
+/// The distance to the convex body, by its nearest triangle; 0 inside [m].
 double distance(const Convex& hull, Point p);
-/// Whether a ball touches the convex body, by libccd: the second opinion on `distance`.
+/// True if a ball touches the convex body, by libccd. It checks the result of `distance` independently.
 bool ball_meets(const Convex& hull, Point centre, double radius);
 
 } // namespace lockstone::cook

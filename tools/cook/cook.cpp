@@ -12,7 +12,7 @@
 namespace lockstone::cook {
 namespace {
 
-/// What the kinds share: the model in metres, and what was allowed.
+/// The input of every kind of asset: the model in metres and the allowed deviation.
 struct Source {
     const CookOptions& options;
     Soup soup; ///< welded, y up, in metres
@@ -26,7 +26,7 @@ Unit sine_of_flat(const CookOptions& options, Unit otherwise) {
     return quantize<Unit>(std::sin(*options.flat * std::numbers::pi / 180));
 }
 
-/// What loading made of the last asset, as triangles.
+/// Loads the assets and returns the triangles of the last one.
 Result<Soup> load_again(const std::vector<AssetBytes>& assets, AssetLibrary& library, Cooked& out) {
     for (const AssetBytes& bytes : assets) {
         const Result<AssetId> id = library.add(std::span<const std::byte>(bytes));
@@ -42,7 +42,7 @@ Result<Soup> load_again(const std::vector<AssetBytes>& assets, AssetLibrary& lib
     return soup;
 }
 
-/// What loading made of an asset that was just baked.
+/// Adds an asset that was just baked, loads all assets, and returns the triangles of the last one.
 Result<Soup> keep(Result<AssetBytes> baked, Cooked& out) {
     if (!baked) return baked.error();
     out.assets.push_back(std::move(*baked));
@@ -62,7 +62,7 @@ std::vector<LengthVec3> quantized(const std::vector<Point>& points) {
     return out;
 }
 
-/// Lengths clamp: what they cannot hold must be refused before.
+/// Lengths saturate, so a model that does not fit is an error before the conversion.
 Status check_reach(const Soup& soup) {
     for (const Point& p : soup.vertices)
         for (int axis = 0; axis < 3; ++axis)
@@ -74,7 +74,7 @@ Status check_reach(const Soup& soup) {
 
 constexpr std::uint32_t corners_first = 64;
 
-/// The sentence of an asset that cannot be baked, and the flags that help.
+/// The error of an asset that cannot be baked, with the flags that help.
 Error with_flags(const Error& why, const char* flags) { return Error{why.message + " (" + flags + ")"}; }
 constexpr const char* flags_of_thin = "--scale enlarges it; --as mesh --two-sided keeps a thin model";
 
@@ -94,7 +94,7 @@ Result<Cooked> cook_hull_of(const Source& source, const Convex& whole, std::uint
     return with_deviation(std::move(out), deviation_of_hulls(whole, *result));
 }
 
-/// Adds corners until the deviation reaches the aim, where no number of corners is given.
+/// Makes a hull. Adds corners until the deviation is small enough, unless the options fix the number of corners.
 Result<Cooked> cook_hull(const Source& source) {
     if (const Status s = check_reach(source.soup); !s) return s.error();
     const Result<Convex> whole = convex_hull(source.soup.vertices);
@@ -111,7 +111,8 @@ Result<Cooked> cook_hull(const Source& source) {
 
 // ---- convex decomposition -------------------------------------------------------------------------------------
 
-/// Bakes what is thick enough. The hulls' geometries are in `parts`, and as they were loaded in `loaded`.
+/// Bakes the parts that are thick enough. The baked geometries go to `parts`, and the hulls as loaded again to
+/// `loaded`.
 Status bake_parts(const std::vector<Convex>& wanted, const CookOptions& options, AssetLibrary& library,
                   Cooked& out, std::vector<CompoundPart>& parts, std::vector<Convex>& loaded) {
     std::optional<Error> why;
@@ -166,7 +167,8 @@ Result<Cooked> cook_parts(const Source& source, double deviation) {
                           deviation_of_solids(source.soup, source.surface, loaded, source.options.samples));
 }
 
-/// What the decomposition samples is coarse: when the check finds more deviation, it is asked for less.
+/// The decomposition samples the surface coarsely. If the exact check finds too large a deviation, the decomposition
+/// runs again with a smaller limit.
 Result<Cooked> cook_convex(const Source& source) {
     if (const Status s = check_reach(source.soup); !s) return s.error();
     if (Result<Cooked> one = cook_hull(source); one && one->deviation + one->gap <= source.deviation_aimed)
@@ -174,7 +176,7 @@ Result<Cooked> cook_convex(const Source& source) {
     Result<Cooked> best = cook_parts(source, 0.8 * source.deviation_aimed);
     constexpr std::size_t triangles_repeated = 20'000;
     for (const double share : {0.5, 0.25}) {
-        // Decompositions of many parts or triangles take long, and more of them change little.
+        // Decompositions of many parts or triangles take long, and repeating them improves little.
         if (!best || best->deviation <= source.deviation_aimed ||
             source.soup.triangles.size() > triangles_repeated ||
             2 * (best->parts + best->parts_dropped) > source.options.parts_max)
@@ -227,7 +229,7 @@ Result<Cooked> cook_heights(const Source& source, double spacing) {
                           deviation_from_above(source.soup, source.surface, *loaded, source.options.samples));
 }
 
-/// With no spacing given: from coarse to fine until the deviation is allowed.
+/// Makes a height field. Without a given spacing it goes from coarse to fine until the deviation is small enough.
 Result<Cooked> cook_height_field(const Source& source) {
     if (source.options.spacing) return cook_heights(source, *source.options.spacing);
     constexpr int cells_first = 32, cells_last = 1024;
@@ -270,7 +272,7 @@ Result<Cooked> cook_kind(const Source& source) {
     return cook_height_field(source);
 }
 
-// ---- what is odd ----------------------------------------------------------------------------------------------
+// ---- notes about odd models -----------------------------------------------------------------------------------
 
 std::string in_text(const char* format, double a, double b = 0) {
     char text[300];

@@ -16,11 +16,12 @@ using Corners = std::array<Point, 3>;
 
 constexpr std::size_t samples_per_hull = 160;
 
-/// One of the solids that the surface encloses. Cuts are chosen by few triangles, parts are made of all.
+/// A solid that the surface encloses. Cuts are chosen with the coarse triangles; the final parts use all triangles.
 struct Solid {
     Solid(const Soup& whole, std::size_t triangles_max)
         : soup(whole), coarse(coarsened(whole, triangles_max)), surface(whole) {
-        if (!convex_hull(coarse.vertices)) coarse = soup; // flat where the model is not
+        // The coarse copy is flat although the model is not.
+        if (!convex_hull(coarse.vertices)) coarse = soup;
     }
     Soup soup, coarse;
     Surface surface;
@@ -30,20 +31,20 @@ struct Piece {
     const Solid* of;
     Box cell;
     std::vector<Corners> clipped{};
-    std::optional<Convex> hull{}; ///< none: flat or empty, nothing to collide with
+    std::optional<Convex> hull{}; ///< empty: flat or without volume, so nothing can collide with it
     double beyond = 0;            ///< `excess` of the hull
-    /// Triangles of the solid that may reach into the cell.
+    /// Triangles of the solid that may overlap the cell.
     std::shared_ptr<const std::vector<std::uint32_t>> candidates{};
-    bool is_refined = false; ///< the hull is that of all triangles
+    bool is_refined = false; ///< the hull is made of all triangles
 };
 
-/// The plane at `at` across `axis`.
+/// The plane at the coordinate `at` of `axis`.
 struct Cut {
     int axis;
     double at;
 };
 
-/// Appends the part of the triangle on one side. Source: Sutherland, Hodgman, 1974.
+/// Appends the part of the triangle on one side of the plane. Source: Sutherland, Hodgman, 1974.
 void clip(const Corners& t, Cut cut, bool above, std::vector<Corners>& out) {
     std::array<Point, 4> kept;
     std::size_t count = 0;
@@ -59,7 +60,7 @@ void clip(const Corners& t, Cut cut, bool above, std::vector<Corners>& out) {
     }
     for (std::size_t k = 2; k < count; ++k) {
         const Corners part{kept[0], kept[k - 1], kept[k]};
-        // What only touches the plane, from the other side maybe, is no part of this side.
+        // A part that only touches the plane does not belong to this side.
         if (std::any_of(part.begin(), part.end(), [&](Point p) { return p[cut.axis] != cut.at; }))
             out.push_back(part);
     }
@@ -73,7 +74,8 @@ Point corner_of(const Box& box, unsigned bits) {
 void make_hull(Piece& piece) {
     std::vector<Point> points;
     for (const Corners& t : piece.clipped) points.insert(points.end(), t.begin(), t.end());
-    // Asked a little within the cell: corners often lie on the surface, with the solid on the cell's side or not.
+    // Corners of the cell often lie on the surface. The test point is therefore moved a little into the cell, where it
+    // is clearly inside or outside.
     const Point middle = (piece.cell.lower + piece.cell.upper) * 0.5;
     for (unsigned bits = 0; bits < 8; ++bits)
         if (const Point p = corner_of(piece.cell, bits); piece.of->surface.contains(p + (middle - p) * 1e-3))
@@ -124,7 +126,8 @@ std::vector<Corners> coarsened(const std::vector<Corners>& triangles, std::size_
     return out;
 }
 
-/// The hull of all triangles of the solid within the piece's cell; false when it is that already. Few of those triangles are kept for more cuts.
+/// Replaces the hull by that of all triangles within the piece's cell; returns false if it is that already. Keeps a
+/// limited number of those triangles for further cuts.
 bool refine(Piece& piece) {
     constexpr std::size_t triangles_kept = 300;
     const Solid& of = *piece.of;
@@ -145,10 +148,10 @@ bool refine(Piece& piece) {
 
 // ---- where to cut ---------------------------------------------------------------------------------------------
 
-/// Edges at which the solid is concave: only planes through them can end the concavity.
+/// An edge at which the solid is concave. Only planes through such edges can remove the concavity.
 struct Edge {
     Point from, to;
-    double weight; ///< length times sine
+    double weight; ///< length times sine of the angle
 };
 
 std::vector<Edge> concave_edges(const Soup& solid) {
@@ -175,7 +178,7 @@ std::vector<Edge> concave_edges(const Soup& solid) {
     return edges;
 }
 
-/// The places with the greatest sums of weights, nearer together than `width` counted once.
+/// The places with the greatest sums of weights. Places nearer together than `width` count as one.
 std::vector<double> heaviest(std::vector<std::pair<double, double>> places, double width, std::size_t count) {
     std::sort(places.begin(), places.end());
     std::vector<std::pair<double, double>> sums; // weight, place
@@ -192,7 +195,7 @@ std::vector<double> heaviest(std::vector<std::pair<double, double>> places, doub
     return out;
 }
 
-/// The part of the edge within the box; false when there is none.
+/// Clips the edge to the box; false if no part is inside.
 bool clip(Edge& edge, const Box& box) {
     double enter = 0, leave = 1;
     const Point way = edge.to - edge.from;
@@ -231,7 +234,7 @@ std::vector<Cut> candidates(const Piece& piece, const std::vector<Edge>& edges, 
     return cuts;
 }
 
-/// Whether some of the piece's surface lies deeper in its hull than `limit`.
+/// True if some of the piece's surface lies deeper in its hull than `limit`.
 bool is_concave(const Piece& piece, double limit) {
     constexpr std::size_t asked_max = 150;
     const std::size_t step = 1 + piece.clipped.size() / asked_max;
@@ -244,7 +247,7 @@ bool is_concave(const Piece& piece, double limit) {
     return false;
 }
 
-/// Volume that hulls take, that of hulls which will be cut again counted twice: less is better.
+/// The cost of a side: the volume of its hull, doubled if the hull will be cut again. Less is better.
 double cost(const Piece& side, double limit) {
     if (!side.hull) return 0;
     return side.hull->volume * (is_concave(side, limit) ? 2 : 1);
@@ -255,7 +258,7 @@ struct Sides {
     double cost;
 };
 
-/// How far the hulls of both sides reach beyond the solid.
+/// How far the hulls of both sides extend beyond the solid.
 double beyond_of(Sides& sides, const Surface& solid) {
     double most = 0;
     for (Piece* side : {&sides.below, &sides.above})
@@ -263,7 +266,7 @@ double beyond_of(Sides& sides, const Surface& solid) {
     return most;
 }
 
-/// The cut whose hulls reach least beyond the solid, among those that leave the least volume to hulls.
+/// Among the cuts that leave the least volume to hulls, the cut whose hulls extend least beyond the solid.
 std::optional<Sides> best_cut(const Piece& piece, const std::vector<Edge>& edges, const Surface& solid,
                               const DecomposeOptions& options) {
     constexpr std::size_t measured = 4;
@@ -281,7 +284,7 @@ std::optional<Sides> best_cut(const Piece& piece, const std::vector<Edge>& edges
     std::size_t chosen = 0;
     double least = 1e300;
     for (std::size_t i = 0; i < best.size(); ++i)
-        // A cut that leaves more volume must be nearer by as much.
+        // The product weighs both: a cut that leaves more volume must extend less by the same factor.
         if (const double now = beyond_of(best[i], solid) * best[i].cost; now < least * (1 - 1e-9))
             least = now, chosen = i;
     return std::move(best[chosen]);
@@ -289,14 +292,14 @@ std::optional<Sides> best_cut(const Piece& piece, const std::vector<Edge>& edges
 
 // ---- joining --------------------------------------------------------------------------------------------------
 
-/// Joins parts two by two. What two parts make together is computed once.
+/// Joins parts pairwise. The hull of a pair is computed once and kept.
 class Joiner {
   public:
     Joiner(std::vector<Convex> from, const Surface& of, double allowed) : solid(of), deviation(allowed) {
         for (Convex& part : from) parts.push_back(part_of(std::move(part)));
     }
 
-    /// Joins the first two parts that together are still near enough to the solid; false when there are none.
+    /// Joins the first two parts whose common hull still follows the solid closely enough; false if there are none.
     bool join_two() {
         for (std::size_t i = 0; i < parts.size(); ++i)
             for (std::size_t j = i + 1; j < parts.size(); ++j) {
@@ -311,7 +314,8 @@ class Joiner {
         return false;
     }
 
-    /// Joins the pair that reaches least beyond the solid, among those whose common hull adds the least volume; false when no two have one.
+    /// Among the pairs whose common hull adds the least volume, joins the pair that extends least beyond the solid;
+    /// false if no pair has a common hull.
     bool join_cheapest() {
         constexpr std::size_t measured = 60;
         std::vector<std::tuple<double, std::size_t, std::size_t>> pairs; // added volume, first, second
@@ -366,7 +370,8 @@ class Joiner {
         if (Result<Convex> hull = convex_hull(points)) at->second.hull = std::move(*hull);
         return at->second;
     }
-    /// Parts whose boxes are no farther apart than a common hull may reach beyond the solid.
+    /// True if the boxes of the parts are no farther apart than twice the allowed deviation: only then a common hull
+    /// can be allowed.
     bool are_near(std::size_t i, std::size_t j) const {
         for (int axis = 0; axis < 3; ++axis) {
             const double gap = std::max(parts[i].box.lower[axis] - parts[j].box.upper[axis],
@@ -393,20 +398,20 @@ class Joiner {
 
 // ---- cutting --------------------------------------------------------------------------------------------------
 
-/// One soup for each solid where the surface has a few of them; else the whole surface.
+/// One soup for each solid of the surface if it has a few of them; otherwise the whole surface.
 std::vector<Soup> solids_of(const Soup& soup, std::size_t count_max) {
     std::vector<Soup> solids = components_of(soup);
     if (solids.size() > count_max) return {soup};
     for (const Soup& solid : solids)
-        if (!soundness_of(solid).sound()) return {soup}; // open, or a hole in another one
+        if (!soundness_of(solid).sound()) return {soup}; // open, or a hole in another solid
     return solids;
 }
 
-/// A hull spans what is concave with its largest facets.
+/// A hull covers concave places with its largest facets, so these are sampled.
 constexpr std::size_t facets_asked_max = 200;
 
 std::vector<std::size_t> largest_triangles(const Soup& soup, std::size_t count) {
-    std::vector<std::pair<double, std::size_t>> areas; // negative
+    std::vector<std::pair<double, std::size_t>> areas; // negative, so that the largest come first
     for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
         const auto [a, b, c] = soup.corners(i);
         areas.emplace_back(-length(cross(b - a, c - a)), i);
@@ -424,7 +429,7 @@ std::vector<std::size_t> largest_triangles(const Soup& soup, std::size_t count) 
 double excess(const Convex& hull, const Surface& solid, std::size_t samples) {
     double most = 0;
     const auto ask = [&](Point p) {
-        // Near the surface `contains` may go either way; there the distance is as good as none.
+        // Near the surface `contains` may be wrong, but there the distance is close to zero.
         if (!solid.contains(p)) most = std::max(most, solid.distance(p));
     };
     for (const std::size_t i : largest_triangles(hull.surface, facets_asked_max)) {
@@ -465,7 +470,7 @@ std::vector<Point> points_between(const Convex& hull, const Surface& solid, doub
 
 namespace {
 
-/// Cuts pieces: first by few triangles of each solid, then by few of each piece.
+/// Cuts pieces: first with the coarse triangles of each solid, then with few triangles of each piece.
 class Cutter {
   public:
     Cutter(const Soup& soup, const Surface& of, const DecomposeOptions& wanted)
@@ -489,7 +494,8 @@ class Cutter {
         }
     }
 
-    /// Cuts the piece that reaches farthest beyond the solid until there are so many or all are near enough.
+    /// Cuts the piece that extends farthest beyond the solid, until there are `count` pieces or all pieces are close
+    /// enough.
     void cut(std::size_t count) {
         while (!pieces.empty() && pieces.size() + whole.size() < count) {
             const auto worst = std::max_element(pieces.begin(), pieces.end(),
@@ -504,7 +510,7 @@ class Cutter {
         }
     }
 
-    /// Makes the pieces of all triangles.
+    /// Rebuilds all pieces from all triangles.
     void refine_all() {
         std::vector<Piece> before;
         for (std::vector<Piece>* some : {&pieces, &whole, &flat}) {
@@ -530,8 +536,8 @@ class Cutter {
     }
 
   private:
-    static constexpr std::size_t triangles_searched =
-        3'000; // more of them take more time and move the first cuts little
+    // More triangles take more time and hardly change the first cuts.
+    static constexpr std::size_t triangles_searched = 3'000;
 
     void measure(Piece& piece) const {
         if (piece.hull) piece.beyond = excess(*piece.hull, surface, samples_per_hull);
@@ -539,12 +545,13 @@ class Cutter {
 
     const Surface& surface;
     const DecomposeOptions& options;
-    bool is_fine = false; ///< edges are those of all triangles
+    bool is_fine = false; ///< the edges are those of all triangles
     std::vector<std::unique_ptr<Solid>> solids;
     std::map<const Solid*, std::vector<Edge>> edges;
     std::vector<Piece> pieces;
     std::vector<Piece> whole; ///< no plane cuts them
-    std::vector<Piece> flat;  ///< of few triangles, and maybe not of all
+    /// Pieces of few triangles without a volume, which may get one from all triangles.
+    std::vector<Piece> flat;
 };
 
 } // namespace
@@ -552,11 +559,12 @@ class Cutter {
 Result<std::vector<Convex>> decompose(const Soup& soup, const Surface& solid,
                                       const DecomposeOptions& options) {
     if (const Result<Convex> whole = convex_hull(soup.vertices); !whole) return whole.error();
-    constexpr std::size_t triangles_cut = 40'000; // the time of more of them is beyond what they add
+    constexpr std::size_t triangles_cut = 40'000; // more triangles take much longer and improve little
     Cutter cutter(coarsened(soup, triangles_cut), solid, options);
     cutter.cut(options.parts_max);
     cutter.refine_all();
-    // Joining brings the number down again, so some more are allowed meanwhile. All triangles show after each round what few left out.
+    // Joining reduces the number of parts again, so the cuts may exceed it meanwhile. After each round the hulls are
+    // rebuilt from all triangles, which shows errors of the coarse ones.
     constexpr std::size_t rounds = 6;
     for (std::size_t round = 1; round <= rounds && options.parts_max > 1; ++round) {
         cutter.cut(options.parts_max + (options.parts_max + 1) * round / rounds);

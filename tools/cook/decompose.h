@@ -1,13 +1,14 @@
-// A solid cut into convex parts.
+// Decomposes a solid into convex parts.
 //
-// The solid is cut by planes across the three axes. A piece is the solid within a box of those planes, and the hull of
-// a piece is that of its clipped triangles and of the box's corners that are inside the solid: where a cut runs
-// through the inside, nothing else can be a corner. The piece whose hull reaches farthest beyond the solid is cut
-// again, along the plane that leaves the least volume to hulls; pieces that fit together convexly are joined at the end.
+// Planes across the three axes cut the solid. A piece is the part of the solid within a box of such planes. Its hull
+// contains the clipped triangles and those corners of the box that are inside the solid; no other point can be a corner
+// where a cut passes through the inside. The piece whose hull extends farthest beyond the solid is cut again, along the
+// plane that leaves the least volume to hulls. At the end neighbouring pieces are joined if their common hull is close
+// enough to the solid.
 //
-// Cuts and the greedy order are those of approximate convex decomposition. Source: Lien, Amato, "Approximate convex
-// decomposition of polyhedra", 2007; the candidates and the measure are simpler here. Debian's HACD clusters surface
-// triangles and bounds no distance, hence this.
+// The cuts and their greedy order are those of approximate convex decomposition. Source: Lien, Amato, "Approximate
+// convex decomposition of polyhedra", 2007; the candidates and the measure are simpler here. Debian's HACD is no
+// alternative: it clusters surface triangles and gives no bound for the distance.
 #pragma once
 
 #include "cook/convex.h"
@@ -18,22 +19,23 @@
 namespace lockstone::cook {
 
 struct DecomposeOptions {
-    double deviation; ///< how far a part may reach beyond the solid, at most [m]
+    double deviation; ///< largest distance that a part may extend beyond the solid [m]
     std::uint32_t parts_max;
-    double width_min = 0.01; ///< no piece is cut thinner than this [m]
+    double width_min = 0.01; ///< no piece becomes thinner than this [m]
 };
 
-/// Parts that cover the solid. More deviation than asked for is left only where parts_max or width_min end the cuts.
-/// Error when there is no volume.
+/// Convex parts that cover the solid. The deviation may exceed the limit only if parts_max or width_min end the cuts.
+/// An error if the solid has no volume.
 Result<std::vector<Convex>> decompose(const Soup& solid, const Surface& surface,
                                       const DecomposeOptions& options);
 
-/// How far the hull reaches beyond the solid: the greatest distance to its surface of sample points on and in the hull
-/// that are outside of the solid [m].
+/// How far the hull extends beyond the solid [m]: the greatest distance to the solid of sample points that are in or on
+/// the hull and outside of the solid.
 double excess(const Convex& hull, const Surface& solid, std::size_t samples);
 
-/// Points of the hull on the normals of the solid's surface: where the hull ends, halfway to there, and so on. What lies farthest beyond the solid is
-/// near such points. Those that are no more than `distance` from the surface are left out.
+/// Sample points in the hull along the normals of the solid's surface: at the end of the hull, halfway to it, and so
+/// on. The points that lie farthest beyond the solid are near such samples. Leaves out points within `distance` of the
+/// surface.
 std::vector<Point> points_between(const Convex& hull, const Surface& solid, double distance);
 
 } // namespace lockstone::cook

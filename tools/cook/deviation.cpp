@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t vertices_asked_max = 50'000;
 
-/// What is asked about a surface: its vertices, and points between them.
+/// The sample points of a surface: its vertices, and points between them.
 std::vector<Point> questions(const Soup& soup, std::size_t samples) {
     std::vector<Point> out;
     const std::size_t step = 1 + soup.vertices.size() / vertices_asked_max;
@@ -17,11 +17,11 @@ std::vector<Point> questions(const Soup& soup, std::size_t samples) {
     return out;
 }
 
-/// Whether another library agrees that a point is `distance` away: a ball somewhat larger meets the body, a ball
-/// somewhat smaller does not.
+/// Checks a distance with another library: a slightly larger ball must touch the body, and a slightly smaller one must
+/// not.
 template <class Body>
 Status confirm(const char* library, double distance, double size, const Body& ball_meets) {
-    const double slack = 1e-3 * distance + 1e-5 * size; // what iterative methods leave
+    const double slack = 1e-3 * distance + 1e-5 * size; // error of the iterative methods
     const bool grown = ball_meets(distance + slack);
     const bool shrunk = distance > 2 * slack && ball_meets(distance - slack);
     if (grown && !shrunk) return {};
@@ -39,7 +39,7 @@ Status confirm(const Surface& surface, Point p, double distance) {
                    [&](double radius) { return surface.ball_meets(p, radius); });
 }
 
-/// The greatest distance of a series of points, and where it was.
+/// The greatest distance of a series of points, and its point.
 struct Farthest {
     double distance = 0;
     Point where;
@@ -56,7 +56,7 @@ Result<double> farthest(const std::vector<Point>& points, const Surface& from) {
     return most.distance;
 }
 
-/// The corner of `corners` that is farthest from the body.
+/// The corner that is farthest from the body.
 Result<double> farthest_corner(const std::vector<Point>& corners, const Convex& body) {
     Farthest most;
     for (const Point& p : corners) most.add(distance(body, p), p);

@@ -29,7 +29,7 @@ Result<Heights> sample_heights(const Soup& model, const Surface& surface, double
         return Error{"heights lie within 200 m of each other, the model is " + std::to_string(box.size().y) +
                      " m high (--scale shrinks it)"};
     Heights out{*columns, *rows, step, {box.lower.x, 0, box.lower.z}, {}, {}};
-    // Within 100 m of 0 heights stay what they are.
+    // Within 100 m of 0 the heights keep their values; beyond that they are relative to the middle.
     if (std::max(std::abs(box.lower.y), std::abs(box.upper.y)) > to_double(shape_size_max))
         out.origin.y = 0.5 * (box.lower.y + box.upper.y);
     std::vector<bool> seen;

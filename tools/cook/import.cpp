@@ -18,7 +18,8 @@
 namespace lockstone::cook {
 namespace {
 
-/// What the child sends first. Then `text` bytes of a sentence, or the vertices and the triangles.
+/// The start of the child's answer. It is followed by `text` bytes of an error sentence, or by the vertices and the
+/// triangles.
 struct Header {
     std::uint64_t magic, text, vertices, triangles;
 };
@@ -61,7 +62,7 @@ bool send_all(int pipe, const void* data, std::size_t size) {
         else
             sentence = read.error().message;
     } catch (const std::exception& error) { sentence = error.what(); }
-    if (sentence.find("bad_alloc") != std::string::npos) // assimp catches it, and passes its name on
+    if (sentence.find("bad_alloc") != std::string::npos) // assimp catches it and returns its name
         sentence = "the importer needs more memory than the limit (--memory allows more)";
     if (soup.triangles.empty() && sentence.empty()) sentence = "the importer gave no reason";
     sentence.resize(std::min<std::size_t>(sentence.size(), text_max));
@@ -79,13 +80,13 @@ bool send_all(int pipe, const void* data, std::size_t size) {
 
 // ---- the parent -----------------------------------------------------------------------------------------------
 
-/// Reads from the child until a fixed moment.
+/// Reads from the child until a deadline.
 class Reader {
   public:
     Reader(int from, std::uint32_t seconds)
         : pipe(from), deadline(Clock::now() + std::chrono::seconds(seconds)) {}
 
-    /// False when the child ended early or the time is over.
+    /// Returns false if the child ended too early or the deadline has passed.
     bool take(void* out, std::size_t size) {
         char* at = static_cast<char*>(out);
         while (size > 0) {
@@ -106,7 +107,7 @@ class Reader {
         return true;
     }
     bool late = false;
-    bool ended = false; ///< the child closed its end: it is gone, or going
+    bool ended = false; ///< the child closed its end of the pipe
 
   private:
     using Clock = std::chrono::steady_clock;
@@ -114,7 +115,7 @@ class Reader {
     Clock::time_point deadline;
 };
 
-/// The soup or the child's own sentence; nothing when what came is neither.
+/// The soup or the child's error; empty if the data are neither.
 std::optional<Result<Soup>> receive(Reader& reader) {
     Header header{};
     if (!reader.take(&header, sizeof header)) return std::nullopt;
@@ -135,7 +136,7 @@ std::optional<Result<Soup>> receive(Reader& reader) {
     return soup;
 }
 
-/// Why no answer came from a child that ended with `status`.
+/// The reason why a child that ended with `status` sent no answer.
 std::string reason_of(const Reader& reader, int status, const ImportLimits& limits) {
     if (reader.late) return "the importer took longer than " + std::to_string(limits.seconds) + " s";
     if (!reader.ended || !WIFSIGNALED(status)) return "the importer sent nothing that can be read";

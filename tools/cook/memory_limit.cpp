@@ -15,7 +15,7 @@ MemoryLimit::MemoryLimit(std::uint64_t bytes)
     rlimit now{};
     if (!(std::ifstream("/proc/self/statm") >> pages) || getrlimit(RLIMIT_AS, &now) != 0) return;
     const std::uint64_t wanted = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + bytes;
-    if (now.rlim_cur != RLIM_INFINITY && now.rlim_cur <= wanted) return; // the caller's limit is lower
+    if (now.rlim_cur != RLIM_INFINITY && now.rlim_cur <= wanted) return; // an existing limit is lower
     before = now.rlim_cur;
     now.rlim_cur = wanted;
     is_set = setrlimit(RLIMIT_AS, &now) == 0;

@@ -1,11 +1,11 @@
-// A limit of the memory that a command may take.
+// Limits the memory of a command.
 #pragma once
 
 #include <cstdint>
 
 namespace lockstone::cook {
 
-/// False in builds with a sanitizer, whose shadow memory is larger than any limit.
+/// False in builds with a sanitizer: its shadow memory is larger than any limit.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool limits_memory = false;
 #elif defined(__has_feature)
@@ -18,8 +18,9 @@ inline constexpr bool limits_memory = true;
 inline constexpr bool limits_memory = true;
 #endif
 
-/// While it lives, the process may take so many bytes of address space beside what it has; an allocation beyond them throws std::bad_alloc.
-/// A child process has the same limit. It does nothing where limits_memory is false, and on systems without /proc/self/statm.
+/// During its lifetime the process may allocate at most `bytes` of address space beyond what it has; a larger
+/// allocation throws std::bad_alloc. A child process inherits the limit. Has no effect if limits_memory is false, or on
+/// systems without /proc/self/statm.
 class MemoryLimit {
   public:
     explicit MemoryLimit(std::uint64_t bytes);
@@ -27,7 +28,7 @@ class MemoryLimit {
     MemoryLimit(const MemoryLimit&) = delete;
     MemoryLimit& operator=(const MemoryLimit&) = delete;
 
-    /// Bytes of address space that the process may have in all; the largest number where there is no limit.
+    /// The total address space that the process may have [bytes]; the largest number without a limit.
     std::uint64_t address_space() const { return most; }
 
   private:

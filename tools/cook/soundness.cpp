@@ -6,7 +6,7 @@
 namespace lockstone::cook {
 namespace {
 
-/// An edge as a triangle runs through it.
+/// An edge with the direction in which a triangle passes along it.
 struct Side {
     std::uint32_t low, high;
     bool forward; ///< from low to high

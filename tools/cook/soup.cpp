@@ -80,7 +80,7 @@ Soup compacted(const Soup& soup) {
 }
 
 Point even_point(std::uint64_t index) {
-    // The positive root of x^4 = x + 1; powers of its inverse are the steps.
+    // The positive root of x^4 = x + 1. The steps are powers of its inverse.
     constexpr double g = 1.2207440846057596;
     const double n = static_cast<double>(index + 1);
     const auto wrap = [](double v) { return v - std::floor(v); };
@@ -88,7 +88,7 @@ Point even_point(std::uint64_t index) {
 }
 
 std::vector<SurfacePoint> sample_surface_points(const Soup& soup, std::size_t count) {
-    std::vector<double> until; // area of all triangles up to and with this one
+    std::vector<double> until; // area of all triangles up to and including this one
     double area = 0;
     for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
         const auto [a, b, c] = soup.corners(i);

@@ -1,5 +1,5 @@
-// Points and triangles in double precision: what models hold before they are quantised. Right-handed, y up, metres.
-// Also checks of them, and even samples of their surface.
+// Points and triangles in double precision, as models contain them before quantisation. Right-handed, y up, metres.
+// Also checks of them, and evenly spread samples of their surface.
 #pragma once
 
 #include "lockstone/asset.h"
@@ -31,7 +31,8 @@ inline Point cross(Point a, Point b) {
 }
 inline double length(Point a) { return std::sqrt(dot(a, a)); }
 
-/// Neither infinite nor not-a-number; by the bits, since -ffast-math takes std::isfinite for true.
+/// True if the value is neither infinite nor not-a-number. It tests the bits, because with -ffast-math std::isfinite is
+/// always true.
 inline bool is_finite(double v) { return ((std::bit_cast<std::uint64_t>(v) >> 52) & 0x7ff) != 0x7ff; }
 
 using Indices = std::array<std::uint32_t, 3>; ///< a triangle, counter-clockwise seen from outside
@@ -47,7 +48,7 @@ struct Soup {
     void append(const Soup& other);
 };
 
-/// Axis-aligned; empty while lower exceeds upper.
+/// An axis-aligned box; empty while lower exceeds upper.
 struct Box {
     Point lower{1e300, 1e300, 1e300}, upper{-1e300, -1e300, -1e300};
 
@@ -60,20 +61,22 @@ struct Box {
 };
 Box bounds_of(const std::vector<Point>& points);
 
-/// Coordinates beyond this are refused: no asset reaches so far, and products of three still have room [m].
+/// Larger coordinates are an error: no asset extends so far, and products of three such coordinates do not lose digits
+/// [m].
 inline constexpr double coordinate_max = 16'000;
 
-/// Empty when every coordinate is finite and within `limit` of 0 and every index names a vertex; else the sentence.
+/// Empty if every coordinate is finite and within `limit` of 0 and every index refers to a vertex; otherwise an error
+/// sentence.
 std::string check(const Soup& soup, double limit = coordinate_max);
-/// Vertices with equal coordinates become one; triangles that name one twice or have no area are left out.
+/// Merges vertices with equal coordinates. Drops triangles that use a vertex twice or have no area.
 Soup welded(const Soup& soup);
-/// Without the vertices that no triangle names.
+/// Removes the vertices that no triangle uses.
 Soup compacted(const Soup& soup);
 
 struct SurfacePoint {
-    Point at, normal; ///< normal: of length 1, to the side from which the triangle is counter-clockwise
+    Point at, normal; ///< unit length, to the side from which the triangle is counter-clockwise
 };
-/// `count` points spread evenly over the surface: the same for the same soup. None when there is no area.
+/// `count` points spread evenly over the surface; equal soups give equal points. Empty if the soup has no area.
 std::vector<SurfacePoint> sample_surface_points(const Soup& soup, std::size_t count);
 /// These points without their normals.
 std::vector<Point> sample_surface(const Soup& soup, std::size_t count);

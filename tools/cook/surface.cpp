@@ -59,7 +59,8 @@ Surface::Surface(const Soup& all)
 Surface::Surface(Surface&&) noexcept = default;
 Surface::~Surface() = default;
 
-/// Halves by the middles of the triangles along the longest side, down to a few triangles.
+/// Builds a tree node: splits the triangles at the median along the longest side of their centres' bounds, down to a
+/// few triangles.
 std::uint32_t Surface::make_node(std::uint32_t first, std::uint32_t last) {
     constexpr std::uint32_t leaf_size = 4;
     Node node{{}, first, last - first, 0, 0};
@@ -96,7 +97,7 @@ double Surface::distance(Point p) const {
         }
         return sum;
     };
-    std::array<std::uint32_t, 64> stack; // the tree halves: 24 levels for 2^24 triangles
+    std::array<std::uint32_t, 64> stack; // the tree is balanced: 24 levels for 2^24 triangles
     std::size_t depth = 0;
     stack[depth++] = static_cast<std::uint32_t>(nodes.size() - 1);
     while (depth > 0) {
@@ -160,7 +161,8 @@ Surface::Grid Surface::make_grid(const Soup& soup, const Box& box, int axis) {
     return grid;
 }
 
-/// Calls visit(height along the axis, 1 or -1 by the side that the triangle faces) for every triangle that the line through (u, v) along the axis crosses.
+/// Calls visit(coordinate along the axis, 1 or -1 by the orientation of the triangle) for every triangle that the line
+/// through (u, v) along the axis crosses.
 template <class Visit> void Surface::crossings(const Grid& grid, double u, double v, Visit&& visit) const {
     const int ui = (grid.axis + 1) % 3, vi = (grid.axis + 2) % 3;
     if (u < box.lower[ui] || u > box.upper[ui] || v < box.lower[vi] || v > box.upper[vi]) return;
@@ -170,7 +172,7 @@ template <class Visit> void Surface::crossings(const Grid& grid, double u, doubl
     const auto cell = static_cast<std::size_t>(column(v, vi) * grid.side + column(u, ui));
     for (std::uint32_t at = grid.first[cell]; at < grid.first[cell + 1]; ++at) {
         const auto corners = soup.corners(grid.triangles[at]);
-        // Twice the signed areas that (u, v) makes with the edges: of one sign inside.
+        // Twice the signed areas of the triangles between (u, v) and the edges. Inside they have equal signs.
         std::array<double, 3> area{};
         for (std::size_t k = 0; k < 3; ++k) {
             const Point &a = corners[k], &b = corners[(k + 1) % 3];
@@ -191,7 +193,8 @@ bool Surface::contains(Point p) const {
     int votes = 0;
     for (const Grid& grid : grids) {
         const int u = (grid.axis + 1) % 3, v = (grid.axis + 2) % 3;
-        // Off the round numbers that edges of made models lie on: a ray through an edge would count twice.
+        // The ray is moved off round coordinates, on which the edges of designed models lie: a ray through an edge
+        // would count twice.
         const double du = 1.37e-7 * box.size()[u], dv = 2.11e-7 * box.size()[v];
         int above = 0, turns = 0;
         crossings(grid, p[u] + du, p[v] + dv, [&](double at, int side) {
@@ -206,7 +209,7 @@ bool Surface::contains(Point p) const {
 
 bool Surface::top(double x, double z, double& height) const {
     bool any = false;
-    // Of the axis y, the other two are z and x in this order.
+    // For the axis y the other two axes are z and x, in this order.
     crossings(grids[1], z, x, [&](double at, int) {
         height = any ? std::max(height, at) : at;
         any = true;

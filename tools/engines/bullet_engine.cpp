@@ -1,8 +1,9 @@
-// A scene in Bullet: btDiscreteDynamicsWorld with its default solver settings.
+// Runs a scene in Bullet: btDiscreteDynamicsWorld with its default solver settings.
 //
-// What it is given beyond defaults: exact inertia, no deactivation unless the scene allows it, square roots of the
-// coefficients, as it multiplies those of a pair, and hulls of the size they have with 1 mm of margin included. A
-// contestant may take hulls as they come; then they are 40 mm thicker, and quicker.
+// The adapter differs from the defaults as follows. Inertia is exact. Deactivation is off unless the scene allows
+// sleeping. It passes the square roots of the coefficients, because Bullet multiplies those of a pair. Hulls keep their
+// described size, 1 mm of margin included; with Contestant::default_margins they get Bullet's margin, are 40 mm
+// thicker, and run faster.
 #include "engines/scene.h"
 
 #ifdef LOCKSTONE_BULLET
@@ -34,7 +35,7 @@ std::unique_ptr<btCollisionShape> hull_of_points(const Shape& shape) {
     return hull;
 }
 
-/// Its faces are moved inwards by the margin that Bullet adds.
+/// A hull whose faces are moved inwards by the margin that Bullet adds.
 std::unique_ptr<btCollisionShape> hull_of(const Shape& shape) {
     constexpr btScalar margin = scalar(0.001);
     btAlignedObjectArray<btVector3> given, planes, shrunk;
@@ -49,7 +50,7 @@ std::unique_ptr<btCollisionShape> hull_of(const Shape& shape) {
     return hull;
 }
 
-/// A mesh that owns its triangles.
+/// A triangle mesh that owns its triangles.
 struct Mesh final : btBvhTriangleMeshShape {
     explicit Mesh(std::unique_ptr<btTriangleMesh> made)
         : btBvhTriangleMeshShape(made.get(), true), triangles(std::move(made)) {}
@@ -88,7 +89,7 @@ std::unique_ptr<btCollisionShape> shape_of(const Shape& shape, bool default_marg
     return std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), scalar(0));
 }
 
-/// A character: a capsule without a body that an action of the world moves.
+/// A character: a capsule without a body, which an action of the world moves.
 struct Walker {
     Walker(btDiscreteDynamicsWorld& world, V3 feet) : capsule(scalar(0.3), scalar(1.2)) {
         ghost.setWorldTransform(pose_of(feet + V3{0, 0.9, 0}, {}));
@@ -106,7 +107,7 @@ struct Walker {
     std::unique_ptr<btKinematicCharacterController> mover = nullptr;
 };
 
-/// A car whose wheels are rays.
+/// A car with ray-cast wheels.
 struct Vehicle {
     Vehicle(btDiscreteDynamicsWorld& world, btRigidBody& chassis, V3 hub)
         : caster(&world), car(tuning, &chassis, &caster) {
@@ -124,7 +125,7 @@ struct Vehicle {
     btRaycastVehicle car;
 };
 
-/// Counts the bodies that a shape overlaps.
+/// Collects the bodies that a shape overlaps.
 struct Overlapped final : btCollisionWorld::ContactResultCallback {
     btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
                              const btCollisionObjectWrapper* other, int, int) override {
@@ -242,7 +243,7 @@ class Bullet final : public Engine {
         info.m_startWorldTransform = pose_of(body.position, body.rotation);
         info.m_friction = scalar(std::sqrt(body.friction));
         info.m_restitution = scalar(std::sqrt(body.restitution));
-        // A pair has rolling_a friction_b + rolling_b friction_a.
+        // Bullet computes rolling_a friction_b + rolling_b friction_a for a pair.
         if (body.rolling_resistance > 0)
             info.m_rollingFriction = scalar(body.rolling_resistance / (2 * std::sqrt(body.friction)));
         auto made = std::make_unique<btRigidBody>(info);
@@ -275,14 +276,14 @@ class Bullet final : public Engine {
         return whole;
     }
 
-    /// The frame of a joint, its x axis along the axis, in a body's axes.
+    /// The frame of a joint in a body's axes; its x axis is the axis of the joint.
     static btTransform frame_on(const btRigidBody& body, const Joint& joint, Turn turn) {
         const btTransform at(btQuaternion(scalar(turn.x), scalar(turn.y), scalar(turn.z), scalar(turn.w)),
                              vec(joint.anchor));
         return body.getCenterOfMassTransform().inverse() * at;
     }
 
-    /// A ball or hinge with limits, springs or friction.
+    /// Joins by a ball or hinge with limits, springs or friction.
     void join_rich(const Scene& scene, const Joint& joint, btRigidBody& a, btRigidBody& b) {
         const Turn plain = from_x_to(joint.axis);
         const Joint::Frames frames = joint.frames.value_or(Joint::Frames{.a = plain, .b = plain});
@@ -291,7 +292,8 @@ class Bullet final : public Engine {
         made->setLinearLowerLimit(btVector3(0, 0, 0));
         made->setLinearUpperLimit(btVector3(0, 0, 0));
         const bool hinge = joint.kind == Link::hinge;
-        // A lower limit above the upper one: free. The second of three angles stays below a right one.
+        // In Bullet a lower limit above the upper one leaves the axis free. The second of three angles must stay below
+        // a right angle.
         const double twist = joint.frames ? 0 : joint.limit != 0 ? joint.limit : -1;
         const double swing = hinge ? 0 : frames.swing == 0 ? -1 : frames.swing;
         const double lower = joint.frames ? frames.lower : -twist,
@@ -325,7 +327,7 @@ class Bullet final : public Engine {
             joints.push_back(std::make_unique<btPoint2PointConstraint>(
                 a, b, a.getCenterOfMassTransform().inverse() * vec(joint.anchor),
                 b.getCenterOfMassTransform().inverse() * vec(joint.anchor)));
-        } else if (joint.kind == Link::hinge) { // about the z axis of its frames
+        } else if (joint.kind == Link::hinge) { // turns about the z axis of its frames
             const Turn turn = from_z_to(joint.axis);
             auto hinge =
                 std::make_unique<btHingeConstraint>(a, b, frame_on(a, joint, turn), frame_on(b, joint, turn));
@@ -362,7 +364,7 @@ class Bullet final : public Engine {
     btCollisionDispatcher dispatcher;
     btDbvtBroadphase broad_phase;
     btSequentialImpulseConstraintSolver solver;
-    mutable btDiscreteDynamicsWorld world; ///< questions to it are not const
+    mutable btDiscreteDynamicsWorld world; ///< queries of the world are not const
     std::vector<std::unique_ptr<btCollisionShape>> shapes;
     std::vector<std::unique_ptr<btCollisionShape>> probes;
     std::vector<std::unique_ptr<btRigidBody>> bodies;

@@ -1,4 +1,5 @@
-// A human of make_ragdoll, read back from a world: its bodies and joints for the other engines.
+// Adds a human of make_ragdoll to a scene. The bodies and joints are read from a Lockstone world, so that the other
+// engines get the same.
 #include "engines/pieces.h"
 
 #include "lockstone/math/convert.h"
@@ -28,7 +29,7 @@ Shape shape_of(const ls::Geometry& geometry) {
     return made;
 }
 
-/// At the origin, as it comes.
+/// The world with one human at the origin, made by make_ragdoll with its defaults.
 const ls::World& figure() {
     static const ls::World made = [] {
         ls::World world = ls::World::create({}).value();

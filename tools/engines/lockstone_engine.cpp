@@ -1,4 +1,5 @@
-// A scene in Lockstone, through its public interface. Defaults throughout, limits that are too low apart.
+// Runs a scene in Lockstone through its public interface. All settings are defaults, except capacities that would be
+// too low.
 #include "engines/lockstone_engine.h"
 
 #include "lockstone/math/convert.h"
@@ -157,7 +158,7 @@ class Lockstone final : public Engine {
 
     ls::World make(const Contestant& contestant, const Scene& scene) {
         auto library = std::make_shared<ls::AssetLibrary>();
-        std::vector<ls::Geometry> geometries; // of a body, then of its parts
+        std::vector<ls::Geometry> geometries; // of each body: its shape, then its parts
         for (const Body& body : scene.bodies) {
             geometries.push_back(geometry_of(body.shape, *library));
             for (const Part& part : body.parts) geometries.push_back(geometry_of(part.shape, *library));
@@ -170,7 +171,7 @@ class Lockstone final : public Engine {
             const std::size_t count = 1 + scene.bodies[i].parts.size();
             if (human != scene.humans.end() && i == static_cast<std::size_t>(human->body))
                 add(made, *human++);
-            else if (i == ids.size()) // else it is of the last human
+            else if (i == ids.size()) // other bodies belong to the last human
                 ids.push_back(create(made, scene.bodies[i], left.first(count)));
             left = left.subspan(count);
         }
@@ -203,7 +204,7 @@ class Lockstone final : public Engine {
         return id;
     }
 
-    /// The body has one primitive shape.
+    /// Creates a body that has one primitive shape.
     static ls::BodyId create(ls::World& made, const Body& body) {
         ls::AssetLibrary none;
         const ls::Geometry geometry = geometry_of(body.shape, none);
@@ -217,7 +218,7 @@ class Lockstone final : public Engine {
         for (const ls::BodyId id : checked(ls::make_ragdoll(made, def)).bodies) ids.push_back(id);
     }
 
-    /// Cars and characters.
+    /// Adds cars and characters.
     void add_played(ls::World& made, const Scene& scene) {
         for (const Car& car : scene.cars)
             checked(made.create_vehicle(

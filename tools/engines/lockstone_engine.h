@@ -1,4 +1,4 @@
-// What only Lockstone can do: save, restore, hash.
+// Access to the functions that only Lockstone has: save, restore, hash.
 #pragma once
 
 #include "engines/scene.h"
@@ -6,7 +6,7 @@
 
 namespace engines {
 
-/// The world of an engine that make_lockstone made.
+/// The world of an engine that make_lockstone has made. Owned by the engine.
 lockstone::World& world_of(Engine& engine);
 
 } // namespace engines

@@ -1,7 +1,7 @@
-// A scene in ODE: dWorldQuickStep with its default parameters.
+// Runs a scene in ODE: dWorldQuickStep with its default parameters.
 //
-// Contacts as its manual recommends: friction in proportion to the normal force (dContactApprox1), a surface layer of
-// 1 mm against jitter. Capsules and cylinders lie along z there and are turned.
+// Contacts follow the recommendations of ODE's manual: friction in proportion to the normal force (dContactApprox1), a
+// surface layer of 1 mm against jitter. In ODE capsules and cylinders lie along z, so the adapter turns them.
 #include "engines/scene.h"
 
 #ifdef LOCKSTONE_ODE
@@ -14,19 +14,19 @@ namespace engines {
 
 namespace {
 
-/// The library is started once for the program.
+/// Initialises the library once for the program.
 struct Library {
     Library() { dInitODE2(0), dAllocateODEDataForThread(static_cast<unsigned>(dAllocateMaskAll)); }
     ~Library() { dCloseODE(); }
 };
 
-/// What dCreateConvex reads for as long as the geometry lives.
+/// The data of a convex geometry. dCreateConvex keeps pointers to it for the lifetime of the geometry.
 struct Convex {
     std::vector<dReal> planes, points;
     std::vector<unsigned> polygons;
 };
 
-/// What a triangle mesh reads for as long as it lives.
+/// The data of a triangle mesh. ODE keeps pointers to it for the lifetime of the mesh.
 struct Mesh {
     std::vector<double> points;
     std::vector<dTriIndex> corners;
@@ -115,7 +115,7 @@ class Ode final : public Engine {
             if (bounce > 0) {
                 contact.surface.mode |= dContactBounce;
                 contact.surface.bounce = bounce;
-                contact.surface.bounce_vel = 0.2; // as Bullet has it
+                contact.surface.bounce_vel = 0.2; // as in Bullet
             }
             const double rolling = std::max(of_a.rolling_resistance, of_b.rolling_resistance);
             if (rolling > 0) {
@@ -127,7 +127,7 @@ class Ode final : public Engine {
         }
     }
 
-    /// A moving surface: its direction is the first friction direction.
+    /// Adds the velocity of a conveyor's surface, along the first friction direction.
     static void convey(const Body& a, const Body& b, dContact& contact) {
         const V3 surface = rotate(a.rotation, a.surface_velocity) - rotate(b.rotation, b.surface_velocity);
         const V3 normal{contact.geom.normal[0], contact.geom.normal[1], contact.geom.normal[2]};
@@ -202,7 +202,7 @@ class Ode final : public Engine {
         dBodySetMass(b, &mass);
     }
 
-    /// A shape to the last body; where there is none, to the world.
+    /// Attaches a shape to the last body, or to the world if `b` is null.
     void attach(dBodyID b, const Body& body, const Part& part) {
         dGeomID geometry;
         if (part.shape.kind == Kind::plane) {
@@ -214,7 +214,7 @@ class Ode final : public Engine {
         geometry = geometry_of(part.shape);
         dGeomSetData(geometry, reinterpret_cast<void*>(bodies.size() - 1));
         const bool along_z = part.shape.kind == Kind::capsule || part.shape.kind == Kind::cylinder;
-        const Turn own = along_z ? part.rotation * about({1, 0, 0}, -pi / 2) : part.rotation; // z to y
+        const Turn own = along_z ? part.rotation * about({1, 0, 0}, -pi / 2) : part.rotation; // turns z to y
         const Turn q = b == nullptr ? body.rotation * own : own;
         const V3 at = b == nullptr ? body.position + rotate(body.rotation, part.position) : part.position;
         const dQuaternion turn = {q.w, q.x, q.y, q.z};
@@ -225,7 +225,7 @@ class Ode final : public Engine {
         }
         dGeomSetBody(geometry, b);
         const bool is_moved = along_z || length(at) > 0 || std::abs(q.w) < 1;
-        if (!is_moved) return; // an offset costs
+        if (!is_moved) return; // a geometry without offset is cheaper
         dGeomSetOffsetPosition(geometry, at.x, at.y, at.z);
         dGeomSetOffsetQuaternion(geometry, turn);
     }

@@ -5,7 +5,7 @@
 namespace engines {
 
 void add_pyramid(Scene& scene, int base, V3 at, double friction) {
-    constexpr double gap = 0.001; // neighbours of a row lean on each other without being squeezed
+    constexpr double gap = 0.001; // boxes of a row touch without being squeezed
     for (int row = 0; row < base; ++row)
         for (int i = 0; i < base - row; ++i)
             scene.add(solid(box({0.5, 0.5, 0.5}),
@@ -112,7 +112,7 @@ Shape random_hull(Random& random, int vertices, double radius) {
         const double size = length(p);
         if (size < 0.2 || size > 1) continue;
         const V3 unit = p / size, corner{unit.x * axes.x, unit.y * axes.y, unit.z * axes.z};
-        bool is_near = false; // of another: the face between them would be a splinter
+        bool is_near = false; // a face between two near points would be a splinter
         for (V3 other : points) is_near = is_near || length(other - corner) < 0.1 * radius;
         if (!is_near) points.push_back(corner);
     }

@@ -1,4 +1,4 @@
-// Pieces that several scenes have.
+// Parts that several scenes use.
 #pragma once
 
 #include "engines/scene.h"
@@ -7,7 +7,7 @@
 
 namespace engines {
 
-/// A small generator for placing things. source: Steele, Lea, Flood, SplitMix, OOPSLA 2014
+/// A small random generator for the placement of bodies. source: Steele, Lea, Flood, SplitMix, OOPSLA 2014
 class Random {
   public:
     explicit Random(std::uint64_t seed) : state(seed) {}
@@ -29,24 +29,27 @@ class Random {
     std::uint64_t state;
 };
 
-/// A wall of boxes of 1 m, as many in the lowest row as `base`, each row one less; its foot's middle is at `at`.
+/// A wall of boxes of 1 m. The lowest row has `base` boxes, each row one less than the row below. `at`: middle of its
+/// foot.
 void add_pyramid(Scene& scene, int base, V3 at, double friction = 0.6);
-/// Eleven capsules: trunk of two, head, arms and legs of two each; ten ball and hinge joints. Its soles are at `at`.
+/// Eleven capsules: two for the trunk, one for the head, two for each arm and leg; ten ball and hinge joints. `at`: the
+/// soles.
 void add_ragdoll(Scene& scene, V3 at);
-/// A human of make_ragdoll (lockstone/play/ragdoll.h): 14 bodies, 13 joints. It stands with the ground between its feet at `at`.
+/// A human of make_ragdoll (lockstone/play/ragdoll.h): 14 bodies, 13 joints. `at`: the ground between the feet.
 void add_human(Scene& scene, V3 at, double heading, V3 velocity = {});
-/// A floor of 1 m thickness, its surface at y = 0, and walls around |x|, |z| <= half: boxes, five bodies.
+/// A floor 1 m thick, whose surface is at y = 0, and walls around |x|, |z| <= half: five boxes, one body each.
 void add_pit(Scene& scene, double half, double height, double friction = 0.6);
-/// By turns a sphere, a box and a capsule, each about a metre.
+/// A sphere, a box and a capsule in turn, each about a metre large.
 Shape mixed_shape(int i);
-/// A floor of 100 x 100 m whose top is at the origin: Box3D, which bounds stem from, has no planes.
+/// A floor of 100 x 100 m whose top is at the origin. Box3D, from which the bounds stem, has no planes.
 Body slab();
-/// Height of hills at a place [m], within 1.8; and a mesh of them, quads of `spacing` [m], its middle at the origin.
+/// The height of the hills at a place [m], at most 1.8 up or down. The second function returns a mesh of them around
+/// the origin, with quads of `spacing` [m].
 double hill(double x, double z);
 Shape hills(int quads, double spacing);
-/// A drum about the z axis with eight paddles, its middle at the origin. Its ends turn with it.
+/// A drum with eight paddles about the z axis, its middle at the origin. Its ends turn with it.
 Body turning_drum(double radius, double half_depth, double spin);
-/// The convex hull of so many points on an ellipsoid, none of its axes longer than 2 `radius`.
+/// The convex hull of `vertices` points on an ellipsoid whose axes are at most 2 `radius` long.
 Shape random_hull(Random& random, int vertices, double radius);
 
 } // namespace engines

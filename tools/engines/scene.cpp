@@ -9,7 +9,7 @@ namespace engines {
 
 namespace {
 
-/// Sums over the tetrahedra from the origin to the triangles of a hull's faces.
+/// Sums over the tetrahedra between the origin and the triangles of a hull's faces.
 struct Sums {
     double volume = 0;
     V3 first{};  ///< integral of x, y, z
@@ -41,11 +41,12 @@ Sums sums_of(const Shape& hull) {
     return s;
 }
 
-/// Turns the points by a rotation about the origin that makes the largest product of inertia vanish.
+/// Turns the points about the origin so that the largest product of inertia vanishes.
 /// source: Jacobi, 1846, one rotation of his method for eigenvalues
 void rotate_once(Shape& hull, const Sums& s) {
     struct Pair {
-        double V3::*p, V3::*q, V3::*mixed; ///< the plane of the rotation, and its product
+        /// The two axes of the rotation's plane, and their product of inertia.
+        double V3::*p, V3::*q, V3::*mixed;
     };
     constexpr Pair pairs[] = {{&V3::y, &V3::z, &V3::x}, {&V3::z, &V3::x, &V3::y}, {&V3::x, &V3::y, &V3::z}};
     const Pair& most =
@@ -58,7 +59,8 @@ void rotate_once(Shape& hull, const Sums& s) {
     }
 }
 
-/// Triangles of which all points lie on one side: few points make the obvious way quick enough.
+/// The faces of a hull: the triangles that have all points on one side. The quadratic search is fast enough for so few
+/// points.
 std::vector<std::vector<int>> faces_of(const std::vector<V3>& points) {
     std::vector<std::vector<int>> faces;
     const int count = static_cast<int>(points.size());
@@ -75,7 +77,7 @@ std::vector<std::vector<int>> faces_of(const std::vector<V3>& points) {
     return faces;
 }
 
-Solid capsule_of(double r, double h) { // a cylinder of half height h and two half balls
+Solid capsule_of(double r, double h) { // a cylinder of half height h and two hemispheres
     const double cylinder = pi * r * r * 2 * h, ball = 4.0 / 3 * pi * r * r * r, volume = cylinder + ball;
     const double along = (cylinder * r * r / 2 + ball * 0.4 * r * r) / volume;
     const double across =

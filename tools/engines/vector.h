@@ -1,4 +1,4 @@
-// Vectors and quaternions in double precision, for scenes and measures.
+// Vectors and quaternions in double precision, for scenes and measurements.
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ struct Turn {
     double x = 0, y = 0, z = 0, w = 1;
 };
 
-/// By `angle` [rad] about a unit axis, right-handed.
+/// The rotation by `angle` [rad] about a unit axis, right-handed.
 inline Turn about(V3 axis, double angle) {
     const double s = std::sin(angle / 2);
     return {axis.x * s, axis.y * s, axis.z * s, std::cos(angle / 2)};
@@ -35,14 +35,14 @@ inline V3 rotate(Turn q, V3 v) {
     const V3 u{q.x, q.y, q.z}, t = 2 * cross(u, v);
     return v + q.w * t + cross(u, t);
 }
-/// First b, then a.
+/// The rotation by b, followed by the rotation by a.
 inline Turn operator*(Turn a, Turn b) {
     const V3 p{a.x, a.y, a.z}, q{b.x, b.y, b.z}, v = a.w * q + b.w * p + cross(p, q);
     return {v.x, v.y, v.z, a.w * b.w - dot(p, q)};
 }
 inline V3 rotate_inverse(Turn q, V3 v) { return rotate({-q.x, -q.y, -q.z, q.w}, v); }
 
-/// The shortest turn of the x axis into a unit vector.
+/// The shortest rotation of the x axis to a unit vector.
 inline Turn from_x_to(V3 to) {
     if (to.x < -0.999999) return {0, 0, 1, 0};
     const V3 c = cross({1, 0, 0}, to);

@@ -8,7 +8,7 @@
 
 namespace lockstone::json {
 
-/// The only place that knows the library.
+/// Converts values to those of the JSON library. No other code uses the library.
 struct Writer {
     using Other = nlohmann::ordered_json;
 
@@ -153,7 +153,7 @@ const std::string& Value::as_text() const {
 }
 
 std::string Value::dump(int indent) const {
-    // ASCII alone, so that no control character of a name reaches a terminal.
+    // Writes ASCII only, so that no control character in a name reaches a terminal.
     return Writer::other(*this).dump(indent, ' ', true, Writer::Other::error_handler_t::replace);
 }
 

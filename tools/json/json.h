@@ -1,10 +1,10 @@
-// JSON values, for what programs read from the command line: `--json`, reports, traces.
+// JSON values for machine-readable output of the command line: `--json`, reports, traces.
 //
 //     Value row{{"scene", "S1"}, {"ticks", 600}, {"mean_ms", {1.5, 2.5}}};
 //     row["good"] = true;
 //     row.dump(2);
 //
-// The library that writes them is included by json.cpp alone: its header takes longer to compile than a command.
+// Only json.cpp includes the JSON library: its header takes longer to compile than a command.
 #pragma once
 
 #include <concepts>
@@ -19,8 +19,9 @@ namespace lockstone::json {
 
 struct Member;
 
-/// Null, a bool, a number, a text, an array or an object, whose members stay in the order in which they came.
-/// What is asked for and is not there, or is of another kind, throws std::out_of_range or std::logic_error with its name.
+/// Null, a bool, a number, a text, an array or an object. The members of an object keep the order in which they were
+/// added. Access to a missing member or item, or to a value of another kind, throws std::out_of_range or
+/// std::logic_error with the name.
 class Value {
   public:
     Value();
@@ -30,14 +31,14 @@ class Value {
     template <std::unsigned_integral T>
     requires(!std::same_as<T, bool>) Value(T x)
         : kind(Kind::natural), whole(static_cast<std::int64_t>(std::uint64_t{x})) {}
-    Value(double x); ///< not finite: null when it is written
+    Value(double x); ///< infinite and not-a-number are written as null
     Value(const char* text);
     Value(std::string_view text);
     Value(std::string text);
     template <class T> Value(const std::vector<T>& items) : Value(array()) {
         for (const T& item : items) push_back(item);
     }
-    /// Pairs that begin with a text make an object, everything else an array.
+    /// If every item is a pair that begins with a text, the list becomes an object, otherwise an array.
     Value(std::initializer_list<Value> items);
 
     Value(const Value& other);
@@ -49,15 +50,15 @@ class Value {
     static Value array();
     static Value object();
 
-    /// The member of that name, null if it is new. Null becomes an object.
+    /// The member of that name; a new member is null. A null value becomes an object.
     Value& operator[](std::string_view key);
     const Value& at(std::string_view key) const;
     bool contains(std::string_view key) const;
     const std::vector<Member>& members() const;
-    /// Takes over the members of another object.
+    /// Adds the members of another object, or replaces those that exist.
     void update(const Value& object);
 
-    /// Null becomes an array.
+    /// Appends an item. A null value becomes an array.
     void push_back(Value item);
     Value& back();
     const Value& at(std::size_t index) const;
@@ -72,7 +73,8 @@ class Value {
     double as_double() const; ///< of any number
     const std::string& as_text() const;
 
-    /// On one line, or each item on its own, indented by so many spaces a level. Bytes of a text that are not UTF-8 become U+FFFD.
+    /// The JSON text on one line, or with each item on its own line and `indent` spaces a level. Bytes that are not
+    /// UTF-8 become U+FFFD.
     std::string dump(int indent = -1) const;
 
   private:
@@ -81,7 +83,7 @@ class Value {
     friend struct Writer;
 
     Kind kind = Kind::null;
-    std::int64_t whole = 0; ///< of a natural number its bits
+    std::int64_t whole = 0; ///< of a natural number: its bits
     double real = 0;
     std::string text;
     std::vector<Value> list;

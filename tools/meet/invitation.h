@@ -1,17 +1,17 @@
 #pragma once
-/// How a match is found: the room's code, the relay's address and the relay's public key, in one word.
+/// The invitation to a match in one word: the room's code, the relay's address and the relay's public key.
 
 #include "lockstone/net.h"
 
 namespace lockstone {
 
 struct Invitation {
-    std::string code; ///< of the lobby; empty: a room is opened
+    std::string code; ///< of the room in the lobby; empty: open a new room
     NetAddress relay;
-    NetKey key; ///< the relay's public one
+    NetKey key; ///< the relay's public key
 };
 
-/// "ABCDEFGH@192.0.2.7:7700#KEY", KEY of 64 hexadecimal digits; without "ABCDEFGH@" the code is empty.
+/// Parses "ABCDEFGH@192.0.2.7:7700#KEY", where KEY has 64 hexadecimal digits. Without "ABCDEFGH@" the code is empty.
 Result<Invitation> parse_invitation(std::string_view text);
 std::string to_string(const Invitation& invitation);
 

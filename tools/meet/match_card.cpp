@@ -10,7 +10,7 @@ constexpr std::string_view magic = "DEMO1"; ///< no packet of a session begins w
 constexpr std::size_t card_bytes_max = 300;
 constexpr std::uint64_t ticks_max = 1'000'000;
 
-/// 16 hexadecimal digits.
+/// The number as 16 hexadecimal digits.
 std::string hex(std::uint64_t number) {
     std::ostringstream out;
     out << std::hex << std::setw(16) << std::setfill('0') << number;

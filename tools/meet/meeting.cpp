@@ -19,7 +19,8 @@ Result<Meeting> Meeting::begin(const Invitation& invitation, std::uint32_t machi
     return Meeting(invitation, std::move(client), std::move(*socket), now_ms);
 }
 
-/// A program that was paused heard nothing, though the relay lives: a pause counts as a second at most.
+/// The time without an answer of the relay. While the program is paused it reads no packets, so one pause counts as at
+/// most a second.
 std::uint64_t Meeting::silence(std::uint64_t now_ms) {
     const std::uint64_t since = now_ms - std::min(now_ms, polled_ms_);
     silent_ms_ =

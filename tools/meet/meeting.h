@@ -1,5 +1,6 @@
 #pragma once
-/// From an invitation to a token: this machine asks a relay's lobby until all machines of the match are there.
+/// The way from an invitation to a connect token. This machine polls the lobby of a relay until all machines of the
+/// match have joined.
 
 #include "meet/invitation.h"
 
@@ -7,13 +8,15 @@ namespace lockstone {
 
 class Meeting {
   public:
-    /// Opens a room for `machines`, or enters that of the invitation's code.
+    /// Opens a room for `machines`, or joins the room of the invitation's code.
     static Result<Meeting> begin(const Invitation& invitation, std::uint32_t machines, std::uint64_t now_ms);
-    /// Call each frame. The error says what is wrong and where: no relay there, no such code, a full match, nobody came.
+    /// Call it each frame. Errors name the problem and the place: no relay at the address, no such code, a full match,
+    /// or no other machine joined in time.
     Status poll(std::uint64_t now_ms);
 
-    const Invitation& invitation() const { return invitation_; } ///< with the code, once there is one
-    const std::optional<ConnectToken>& token() const { return client_.token(); } ///< when all are there
+    const Invitation& invitation() const { return invitation_; } ///< has the code once a room is open
+    /// Set once all machines have joined.
+    const std::optional<ConnectToken>& token() const { return client_.token(); }
 
   private:
     Meeting(const Invitation& invitation, LobbyClient client, UdpSocket socket, std::uint64_t now_ms);
@@ -22,7 +25,8 @@ class Meeting {
     UdpSocket socket_;
     std::uint64_t silence(std::uint64_t now_ms);
     std::uint64_t begun_ms_;
-    /// When poll() last ran, the answer that it knew then, and how long the relay has been silent while it ran [ms].
+    /// Time of the last poll(), time of the last answer at that poll, and how long the relay has been silent since
+    /// [ms].
     std::uint64_t polled_ms_ = 0, answered_ms_ = 0, silent_ms_ = 0;
 };
 

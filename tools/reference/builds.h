@@ -1,4 +1,4 @@
-// The makers of all builds: the same sources, compiled with other numbers and flags. See Build.
+// The factory functions of all builds: equal sources, compiled with different number types and flags. See Build.
 #pragma once
 
 #include "reference/engine/core.h"

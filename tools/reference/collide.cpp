@@ -15,10 +15,11 @@ using lockstone::Error, lockstone::Mix, lockstone::Result, lockstone::ShapeKind;
 
 namespace {
 
-/// Contact points that FCL is asked for: of two convex shapes it finds four at most, of a mesh one a triangle.
+/// The largest number of contact points per pair. FCL finds at most four for two convex shapes, and one per triangle
+/// for a mesh.
 constexpr std::size_t contacts_max = 64;
 
-/// One shape in the scene.
+/// One shape of the scene.
 struct Part {
     int body;
     lockstone::ShapeDef def;
@@ -105,7 +106,7 @@ class FclCollider final : public Collider {
         return {};
     }
 
-    /// A pair whose boxes overlap, in the order of the parts.
+    /// Adds a pair whose boxes overlap, in the order of the parts.
     void keep(const Part& one, const Part& other) {
         const Part &a = std::min(&one, &other) == &one ? one : other, &b = &a == &one ? other : one;
         if (a.body == b.body || !filters_allow(a.def, b.def)) return;
@@ -115,8 +116,9 @@ class FclCollider final : public Collider {
                           static_cast<std::size_t>(&b - parts.data()));
     }
 
-    /// FCL 0.7 finds one point of a box on a half-space; and it takes a cone or a cylinder whose axis points down for one that
-    /// lies (halfspace-inl.h compares the cosine, not its absolute value). On the top of a box it finds four, and the right one.
+    /// FCL 0.7 finds only one point of a box on a half-space. It also treats a cone or a cylinder whose axis points
+    /// down as one that lies on its side (halfspace-inl.h compares the cosine, not its absolute value). On the top of a
+    /// box FCL finds four correct points.
     bool needs_top(const Part& plane, const Part& on) const {
         const ShapeKind kind = on.def.geometry.kind;
         return box_ground && plane.def.geometry.kind == ShapeKind::plane &&
@@ -132,7 +134,7 @@ class FclCollider final : public Collider {
             ask(a, b, *a.object, *b.object);
     }
 
-    /// A box whose top is the plane, under a shape and four times as wide as that.
+    /// A box whose top is the plane. It lies under the other shape and is four times as wide.
     static std::unique_ptr<fcl::CollisionObjectd> top_under(const Part& plane, const Part& on) {
         const double side = 8 * on.object->collisionGeometry()->aabb_radius;
         const fcl::Transform3d& ground = plane.object->getTransform();
@@ -143,7 +145,7 @@ class FclCollider final : public Collider {
         return std::make_unique<fcl::CollisionObjectd>(std::make_shared<fcl::Boxd>(side, side, side), place);
     }
 
-    /// What FCL finds, its first shape being `first`, by its own GJK: libccd's search ends the process on some simplices.
+    /// The contacts that FCL finds with its own GJK. libccd's GJK ends the process for some simplices.
     static fcl::CollisionResultd find(const fcl::CollisionObjectd& first,
                                       const fcl::CollisionObjectd& second) {
         fcl::CollisionRequestd request(contacts_max, true);
@@ -153,15 +155,15 @@ class FclCollider final : public Collider {
         return result;
     }
 
-    /// FCL's normals lead from its first shape to its second. Of a triangle and anything but a sphere, FCL 0.7 gives it in the
-    /// axes of that shape and the other way round (shapeTriangleIntersect of gjk_solver_indep-inl.h).
+    /// The normal from FCL's first shape to its second. For a triangle and any shape but a sphere, FCL 0.7 returns it
+    /// in that shape's axes and with the opposite sign (shapeTriangleIntersect of gjk_solver_indep-inl.h).
     static fcl::Vector3d normal_of(const fcl::Contactd& c, const fcl::CollisionObjectd& first,
                                    const fcl::CollisionObjectd& second) {
         if (first.getObjectType() != fcl::OT_BVH || second.getNodeType() == fcl::GEOM_SPHERE) return c.normal;
         return -(second.getRotation() * c.normal);
     }
 
-    /// The thesis' normals push the first body.
+    /// Adds the contacts of a pair. The thesis' normals point to the side to which the first body is pushed.
     void ask(const Part& a, const Part& b, const fcl::CollisionObjectd& shape_a,
              const fcl::CollisionObjectd& shape_b) {
         const bool turned = shape_b.getObjectType() == fcl::OT_BVH; // the mesh comes first
@@ -185,8 +187,8 @@ class FclCollider final : public Collider {
 
     std::vector<Part> parts;
     std::vector<bool> movable;              ///< by body
-    std::vector<std::pair<int, int>> apart; ///< bodies that may not touch, ascending
-    std::vector<std::size_t> planes;        ///< without bounds, so outside of the tree
+    std::vector<std::pair<int, int>> apart; ///< pairs of bodies that may not touch, ascending
+    std::vector<std::size_t> planes;        ///< they have no bounds, so they are not in the tree
     std::vector<fcl::CollisionObjectd*> objects;
     std::vector<std::pair<std::size_t, std::size_t>> near;
     std::vector<Contact> found;

@@ -1,4 +1,4 @@
-// Collision detection by FCL, as the thesis has it: "an external library is used" (section 3.4).
+// Collision detection by FCL, as in the thesis: "an external library is used" (section 3.4).
 #pragma once
 
 #include "reference/start.h"
@@ -9,11 +9,12 @@ namespace reference {
 
 class Collider {
   public:
-    /// Refuses by name what FCL has no shape for.
+    /// Returns an error that names a shape which FCL does not have.
     static lockstone::Result<std::unique_ptr<Collider>>
     create(const Start& start, const lockstone::World& world, bool box_ground);
     virtual ~Collider() = default;
-    /// Of all pairs that overlap and may touch, in order of bodies and shapes. `poses` are of the bodies' origins.
+    /// The contacts of all pairs that overlap and may touch, in the order of bodies and shapes. `poses`: of the bodies'
+    /// origins, one for each body.
     virtual std::vector<Contact> contacts(std::span<const Pose> poses) = 0;
 };
 

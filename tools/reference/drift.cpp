@@ -15,7 +15,7 @@ using lockstone::Result, lockstone::Status;
 
 namespace {
 
-/// Hands the commands of one world on to both.
+/// Applies the commands of one world to both engines.
 class Pair final : public lockstone::Journal {
   public:
     Pair(Engine& first, Engine& second) : one(first), other(second) {}
@@ -31,7 +31,7 @@ class Pair final : public lockstone::Journal {
     Engine &one, &other;
 };
 
-/// Bits, so that -0 is not 0 and NaN is itself.
+/// Compares bits, so that -0 differs from 0 and NaN equals itself.
 bool same_bits(const Pose& a, const Pose& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 double distance(const Vec& a, const Vec& b) {
@@ -55,7 +55,7 @@ void compare(const Engine& a, const Engine& b, DriftLine& line) {
     note(line, apart, same);
 }
 
-/// One tick of a game in which nobody does anything.
+/// Runs one tick of a game with zero inputs.
 Status advance(const lockstone::Game& game, lockstone::World& world) {
     const std::vector<std::byte> bytes(game.input_size());
     const std::vector<lockstone::PlayerInput> inputs(game.player_count(),

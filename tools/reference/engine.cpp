@@ -21,7 +21,7 @@ std::string text_of(double number) {
     return text;
 }
 
-/// NaN is outside of every range.
+/// Range check; NaN is outside of every range.
 Status check_range(const char* name, double value, double low, double high) {
     if (value >= low && value <= high) return {};
     return Error{std::string(name) + " is " + text_of(value) + ", must be " + text_of(low) + " to " +
@@ -127,7 +127,7 @@ struct Engine::Impl {
         return worst;
     }
 
-    /// Of a living body of the start; -1 for others.
+    /// The index of a living body of the start; -1 for other ids.
     int index_of(lockstone::BodyId id) const {
         for (std::size_t i = 0; i < bodies.size(); ++i)
             if (bodies[i].id == id) return static_cast<int>(i);
@@ -135,7 +135,7 @@ struct Engine::Impl {
     }
     double mass_inv(int body) const { return start.bodies[static_cast<std::size_t>(body)].start.mass_inv; }
 
-    /// The changes of velocity by an impulse at the centre of mass and an angular one.
+    /// Changes the velocities by an impulse at the centre of mass and an angular impulse.
     void add_impulse(int body, const Vec& linear, const Vec& angular) {
         const BodyStart& is = start.bodies[static_cast<std::size_t>(body)].start;
         Motion m = core->motion(body);
@@ -234,7 +234,8 @@ Status Engine::apply(const lockstone::Command& command) {
         command);
 }
 
-/// Section 3.1: "the main loop calls the update function on a fixed time step for each object", then collisions are resolved.
+/// Section 3.1: "the main loop calls the update function on a fixed time step for each object", then collisions are
+/// resolved.
 void Engine::tick() {
     impl->touched = false;
     for (int i = 0; i < impl->substeps; ++i) impl->step();

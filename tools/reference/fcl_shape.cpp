@@ -47,7 +47,7 @@ std::shared_ptr<fcl::CollisionGeometryd> make_mesh(const lockstone::TriangleSoup
     return model;
 }
 
-/// x y z -> z x y: turns z into y.
+/// The permutation x y z -> z x y, which turns z into y.
 fcl::Transform3d upright() {
     fcl::Transform3d t = fcl::Transform3d::Identity();
     t.linear().col(0) = fcl::Vector3d::UnitZ();

@@ -9,10 +9,10 @@ namespace reference {
 
 namespace {
 
-/// As many points as a panel can show.
+/// The number of points that a panel can show.
 constexpr std::size_t points_max = 150;
 
-/// On a logarithmic axis there is no 0: what is less is drawn here [m].
+/// The least distance that is drawn [m]; a logarithmic axis has no 0.
 constexpr double least_apart = 1e-16;
 
 constexpr const char* our_colour = "#1b7f4d";
@@ -20,14 +20,14 @@ constexpr const char* their_colour = "#c2451e";
 
 double size_of(const Vec& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
-/// In single quotes gnuplot takes everything as it is, but for those.
+/// gnuplot changes only single quotes in a text in single quotes.
 std::string quoted(const std::string& text) {
     std::string out = "'";
     for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
     return out + "'";
 }
 
-/// Calls write(i) for so many indices as can be shown, the last included.
+/// Calls write(i) for at most about points_max indices, the last one included.
 template <class Write> void for_shown(std::size_t count, Write write) {
     const std::size_t step = std::max<std::size_t>(1, count / points_max);
     for (std::size_t i = 0; i < count; i += step) write(i);
@@ -39,7 +39,7 @@ std::string sample_block(const Drawn& drawn) {
     std::ostringstream out;
     out.precision(6);
     out << "$samples << EOD\n";
-    // A processor that does something else for a moment costs one tick a lot: the median of 15 tells more.
+    // Other work of the machine makes single ticks expensive, so the plot shows the median of 15.
     const auto calm = [&](std::size_t i, double Sample::*cost) {
         std::vector<double> around;
         for (std::size_t k = i < 7 ? 0 : i - 7; k < std::min(i + 8, drawn.samples.size()); ++k)
@@ -83,7 +83,7 @@ std::string sample_panels() {
     return out;
 }
 
-/// A line's data, and what is drawn of it.
+/// The data of a line, and the points of it that are drawn.
 std::string drift_block(const Drawn& drawn, std::size_t index) {
     const DriftLine& line = drawn.drifts[index];
     std::ostringstream out;
@@ -107,7 +107,7 @@ std::string drift_title(const DriftLine& line) {
            (seen ? ", 1 mm at tick " + std::to_string(*seen) : std::string());
 }
 
-/// The twin stays out of it: it would lie under ours.
+/// The panel leaves out float_twin, since its line would lie under Lockstone's.
 std::string drift_panel(const Drawn& drawn) {
     constexpr const char* colours[] = {"#c2451e", "#e0922f", "#7a5bb5"};
     std::string blocks, plots;

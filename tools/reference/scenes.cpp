@@ -21,7 +21,7 @@ constexpr std::array<CompareScene, 7> infos{{
     {"pyramid", "a wall of 78 boxes that should stand", 12, 600},
 }};
 
-/// A world that nobody plays in.
+/// A game without players.
 class Still final : public Game {
   public:
     Still(std::string_view named, Result<World> (*made)()) : title(named), make(made) {}
@@ -47,8 +47,8 @@ Result<BodyId> add(World& world, const BodyDef& body, const ShapeDef& shape) {
     return made ? id : Result<BodyId>(made.error());
 }
 
-/// G M = 64 m^3/s^2 and a = 5 m: a period of 2 pi sqrt(a^3 / G M) = 8.78 s. At its farthest, r = a (1 + e) = 8 m, the planet's
-/// speed is sqrt(G M / a (1 - e) / (1 + e)) = 1.7889 m/s.
+/// G M = 64 m^3/s^2 and a = 5 m give a period of 2 pi sqrt(a^3 / G M) = 8.78 s. At the farthest point, r = a (1 + e) =
+/// 8 m, the planet's speed is sqrt(G M / a (1 - e) / (1 + e)) = 1.7889 m/s.
 Result<World> start_orbit() {
     Result<World> world = World::create({.gravity = {}, .sleeping = 0});
     if (!world) return world;
@@ -77,8 +77,8 @@ Result<World> start_top() {
     if (!ground) return ground.error();
     constexpr Real half_height = 0.15_r; // flat, so that the inertia about the axis is the greatest
     const UnitVec3 about_z{Unit{}, Unit{}, unit_one};
-    const Quat leaning =
-        from_axis_angle(about_z, pi + 0.2_r); // the tip, which is up in the cone's frame, down
+    // Turns the tip down; in the cone's frame it points up.
+    const Quat leaning = from_axis_angle(about_z, pi + 0.2_r);
     const Vec3 to_tip = rotate(leaning, Vec3{0_r, half_height, 0_r});
     const Vec3 axis = rotate(leaning, Vec3{0_r, 1_r, 0_r});
     const Result<BodyId> top = add(*world,

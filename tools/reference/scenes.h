@@ -1,5 +1,5 @@
-// The scenes in which the two engines are compared (section 5): built-in ones at a size that the thesis' engine can carry, and a few
-// that are known here alone, so that the tables of hashes and the matrix of builds need not hold them.
+// The scenes in which the two engines are compared (section 5): built-in scenes at a size that the thesis' engine can
+// run, and a few that exist only here, so that the tables of hashes and the matrix of builds do not contain them.
 #pragma once
 
 #include "scenes/scenes.h"
@@ -13,16 +13,16 @@ namespace reference {
 
 struct CompareScene {
     std::string_view name;
-    std::string_view sentence; ///< what to look for
-    std::uint32_t size;        ///< 0: it comes in one
-    std::uint64_t ticks;       ///< that show it
+    std::string_view sentence; ///< a hint for the viewer
+    std::uint32_t size;        ///< 0: the scene has one size
+    std::uint64_t ticks;       ///< length of the comparison
 };
 /// two-blocks, stack, pile, domino, orbit, top, pyramid.
 std::span<const CompareScene> compare_scenes();
-/// Null for what is not one of them.
+/// Null for other names.
 const CompareScene* find_compare_scene(std::string_view name);
 
-/// One of these, else one of lockstone::scenes(). The error names all.
+/// One of these scenes, or one of lockstone::scenes(). The error lists all of them.
 lockstone::Result<std::unique_ptr<lockstone::Game>> make_compare_scene(std::string_view name,
                                                                        lockstone::SceneOptions options = {});
 

@@ -18,7 +18,7 @@ double microseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
-/// Hands every command that the world was given on to the other engine.
+/// Applies every command of the world to the other engine.
 class Follower final : public lockstone::Journal {
   public:
     explicit Follower(Engine& led) : engine(led) {}

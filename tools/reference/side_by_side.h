@@ -1,4 +1,4 @@
-// Both engines from the same start: ours plays a game, the thesis' gets the same forces.
+// Runs both engines from the same start: Lockstone plays a game, and the thesis' engine gets the same forces.
 //
 //   auto both = reference::SideBySide::create(make_compare_scene("two-blocks").value());
 //   while (...) { if (!both->tick()) ...; draw(both->ours(), both->theirs()); }
@@ -9,32 +9,32 @@
 
 namespace reference {
 
-/// What both look like after a tick.
+/// The measures of both engines after a tick.
 struct Sample {
     std::uint64_t tick = 0;
-    double separation_max = 0;  ///< the farthest that a dynamic body is from its counterpart [m]
-    double separation_mean = 0; ///< of all dynamic bodies [m]
+    double separation_max = 0;  ///< the largest distance of a dynamic body from its counterpart [m]
+    double separation_mean = 0; ///< mean over all dynamic bodies [m]
     Measures ours, theirs;
     double our_us = 0, their_us = 0;                   ///< wall time of the tick
-    bool ours_touched = false, theirs_touched = false; ///< whether anything touched in the tick
+    bool ours_touched = false, theirs_touched = false; ///< true if there were contacts in the tick
 };
 
 class SideBySide {
   public:
-    /// Refuses what Engine::create refuses.
+    /// Errors: those of Engine::create.
     static lockstone::Result<SideBySide> create(std::unique_ptr<lockstone::Game> game,
                                                 const Settings& settings = {}, std::uint64_t seed = 1);
     SideBySide(SideBySide&&) noexcept;
     SideBySide& operator=(SideBySide&&) noexcept;
     ~SideBySide();
 
-    /// One tick of both. Players do what lockstone::scripted_input says. Refuses a command that the thesis' engine cannot
-    /// follow.
+    /// Runs one tick of both. Players' inputs are those of lockstone::scripted_input. An error if the thesis' engine
+    /// cannot apply a command.
     lockstone::Status tick();
     lockstone::World& ours();
     Engine& theirs();
     const lockstone::Game& game() const;
-    Sample sample() const; ///< now; the times are of the last tick
+    Sample sample() const; ///< of the current state; the times are those of the last tick
 
   private:
     struct Impl;

@@ -25,7 +25,7 @@ Vec rotate(const Turn& q, const Vec& v) {
 
 namespace {
 
-/// "body 3: has axis locks, which the thesis' engine lacks"
+/// The error "body 3: has axis locks, which the thesis' engine lacks".
 Error lacks(std::size_t body, const std::string& what) {
     return Error{"body " + std::to_string(body) + ": has " + what + ", which the thesis' engine lacks"};
 }
@@ -37,7 +37,7 @@ Status check_shape(std::size_t body, const lockstone::ShapeDef& shape) {
     return {};
 }
 
-/// Inertia about the principal axes is mass times the squared gyration radii.
+/// The inertia about the principal axes is mass times the squared radii of gyration.
 void set_mass(const lockstone::SetMass& mass, BodyStart& start) {
     const double m = to_double(mass.mass.value);
     const Vec k = vec(mass.gyration.value);
@@ -61,7 +61,7 @@ Result<StartedBody> read_body(const lockstone::World& world, std::size_t index, 
         body.local_center = vec(mass.center.value);
         start.position = start.position + rotate(start.orientation, body.local_center);
     }
-    // exp(-c t) and d^t are the same decay where d = exp(-c).
+    // exp(-c t) and d^t are the same decay if d = exp(-c).
     start.linear_damping = std::exp(-to_double(def.linear_damping));
     start.angular_damping = std::exp(-to_double(def.angular_damping));
     start.gravity_scale = to_double(def.gravity_scale);

@@ -1,4 +1,4 @@
-// A lockstone::World as the reference's bodies: the one place that knows both.
+// Converts a lockstone::World to the bodies of the thesis' engine. Only this file uses both.
 #pragma once
 
 #include "reference/reference.h"
@@ -28,11 +28,11 @@ Vec rotate(const Turn& q, const Vec& v);
 struct StartedBody {
     lockstone::BodyId id;
     BodyStart start;
-    Vec local_center; ///< of mass, in the body's axes [m]
+    Vec local_center; ///< centre of mass in the body's axes [m]
     std::vector<lockstone::ShapeDef> shapes;
 };
 
-/// What a world holds, or a sentence about what the reference has no counterpart of.
+/// The content of a world in the terms of the thesis' engine.
 struct Start {
     std::vector<StartedBody> bodies;
     std::vector<Field> fields;

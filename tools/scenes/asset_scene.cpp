@@ -1,4 +1,4 @@
-// An asset by itself: dropped, or dropped upon.
+// A scene that shows one asset: it falls onto a plane, or is the ground onto which bodies fall.
 #include "lockstone/math/math.h"
 #include "lockstone/math/random.h"
 #include "scenes/props.h"
@@ -34,7 +34,7 @@ class AssetScene final : public Scene {
     }
 
   private:
-    /// On a spiral, each above the last, turned anyhow but the first.
+    /// Copies of the asset on a spiral, each above the last. All but the first have random orientations.
     Result<World> start_drop() const {
         Builder build(world_for(options.size, options.seed), {}, assets);
         build.ground();
@@ -55,7 +55,7 @@ class AssetScene final : public Scene {
         return std::move(build).finish();
     }
 
-    /// Bodies on a grid above it.
+    /// Bodies on a grid above the asset.
     Result<World> start_ground() const {
         AssetLibrary with_props;
         for (const AssetId id : assets->ids())

@@ -17,7 +17,7 @@ BodyId build_ball(Builder& build, std::uint32_t player, Vec3 position) {
 
 void roll(Turn& turn, BodyId ball, ArenaInput input) {
     World& world = turn.world;
-    constexpr Real acceleration = 25_r, drag = 2_r; // [m/s^2], [1/s]: 12.5 m/s at most
+    constexpr Real acceleration = 25_r, drag = 2_r; // [m/s^2], [1/s]; the top speed is 12.5 m/s
     const Vec3 velocity = world.linear_velocity(ball);
     const auto along = [&](std::int8_t move, Real v) {
         return ball_mass * (acceleration * Real(move) / 127_r - drag * v);
@@ -92,13 +92,14 @@ void BallScene::play(Turn& turn, std::span<const PlayerInput> inputs) const {
     if (players != before) turn.must(world.write(column(), players));
 }
 
-/// Whether it lies on something, however steep.
+/// True if a body or the ground is close below the ball, however steep it is.
 static bool is_grounded(const World& world, BodyId ball) {
     constexpr Real probe_radius = 0.5_r, reach = 0.2_r;
     return world.cast_shape_any(sphere(probe_radius), world.pose(ball), {0_r, -reach, 0_r}, {.ignore = ball});
 }
 
-/// A force would keep it awake.
+/// True if the ball is slow and its player presses no direction. The rules then apply no force, which would keep the
+/// ball awake.
 static bool is_at_rest(const World& world, BodyId ball, ArenaInput input) {
     constexpr Real slow = 0.05_r; // [m/s]
     return input.move_x == 0 && input.move_z == 0 && length(world.linear_velocity(ball)) < slow;

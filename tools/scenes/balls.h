@@ -1,4 +1,4 @@
-// Balls that players roll, shared by the arena and by the scenes that one can walk into.
+// Balls that players roll. The arena and the scenes that players can enter share them.
 #pragma once
 
 #include "scenes/scene.h"
@@ -8,24 +8,25 @@
 namespace lockstone::scenes_detail {
 
 inline constexpr std::uint32_t players_max = 4;
-inline constexpr std::uint32_t jump_pause = 45, push_pause = 30; ///< [ticks] from one to the next
-inline constexpr Real ball_radius = 0.6_r, ball_mass = 80_r;     ///< [m], [kg]
+/// [ticks] between two jumps, between two pushes.
+inline constexpr std::uint32_t jump_pause = 45, push_pause = 30;
+inline constexpr Real ball_radius = 0.6_r, ball_mass = 80_r; ///< [m], [kg]
 inline constexpr Controls ball_controls{"roll", "jump", "push"};
 
 BodyId build_ball(Builder& build, std::uint32_t player, Vec3 position);
-/// Drives a ball along the stick, against a drag that is always there.
+/// Drives a ball in the direction of the stick. A drag always acts on it.
 void roll(Turn& turn, BodyId ball, ArenaInput input);
-/// Upwards, from whatever it lies on.
+/// Makes the ball jump, whatever it lies on.
 void leap(Turn& turn, BodyId ball);
-/// Throws a body away from a place, the nearer the harder; nothing when it is beyond 4 m.
+/// Throws a body away from a place, the harder the nearer it is. Beyond 4 m it does nothing.
 void throw_away(Turn& turn, Vec3 from, BodyId body);
-/// A script: holds a direction for a third of a second, jumps and pushes now and then.
+/// Scripted input: holds a direction for a third of a second, and jumps and pushes now and then.
 ArenaInput wander(std::uint64_t seed, std::uint64_t tick, std::uint32_t player);
 
-/// What the rules remember of the players.
+/// The state of the players in the rules.
 struct Players {
     std::array<BodyId, players_max> balls;
-    std::array<std::uint32_t, players_max> jump_ready; ///< the first tick at which one may jump again
+    std::array<std::uint32_t, players_max> jump_ready; ///< the first tick at which the player may jump again
     std::array<std::uint32_t, players_max> push_ready;
     friend bool operator==(const Players&, const Players&) = default;
 };
@@ -39,22 +40,22 @@ class BallScene : public Scene {
     using Scene::Scene;
     std::uint32_t input_size() const override { return options.players == 0 ? 0 : input_size_of<ArenaInput>; }
     Controls controls(std::uint32_t) const override { return ball_controls; }
-    /// The balls that players have, and what else may act on `column`.
+    /// Checks the balls of the players, and other values of `column` that rules act on.
     Status check(const World& world) const override;
     void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
                 std::span<std::byte> input) const override;
 
   protected:
     void add_players(GameSchema& schema) const;
-    /// Those who have no body yet get a ball where they start.
+    /// Creates a ball at the start for every player without a body.
     void build_players(Builder& build, Players players = {}) const;
     void play(Turn& turn, std::span<const PlayerInput> inputs) const override;
 
     virtual Vec3 start_of(std::uint32_t player) const = 0;
     virtual Column<Players> column() const { return {0}; }
-    /// Whether a push throws this body.
+    /// True if a push throws this body.
     virtual bool is_loose(const Look&) const { return true; }
-    /// Whether a ball at this place starts again.
+    /// True if a ball at this place returns to the start.
     virtual bool is_out(Vec3) const { return false; }
     virtual void play_one(Turn& turn, Players& players, std::uint32_t player, ArenaInput input) const;
 

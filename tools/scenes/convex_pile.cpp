@@ -6,7 +6,7 @@ namespace lockstone::scenes_detail {
 namespace {
 
 constexpr std::uint32_t layer_side = 7; ///< bodies along each side of a layer
-constexpr Real size = 0.5_r;            ///< each body fits a ball of this radius [m]
+constexpr Real size = 0.5_r;            ///< each body fits into a ball of this radius [m]
 constexpr Real spacing = 1.1_r;         ///< [m] between centres
 constexpr Real half_side = 4_r;         ///< of the pit [m]
 
@@ -35,7 +35,7 @@ class ConvexPile final : public Scene {
         return at({x, 1_r + spacing * Real(layer), z}, random_turn(random));
     }
 
-    /// Thick, and as high as the bodies start.
+    /// Thick walls, as high as the highest bodies at the start.
     void build_walls(Builder& build) const {
         const std::uint32_t layers = 1 + options.size / (layer_side * layer_side);
         const Real half_height = half(spacing * Real(layers) + 4_r), offset = half_side + 1_r;

@@ -1,4 +1,4 @@
-// Dominoes along an Archimedean spiral, from the outside inwards; a rolling ball topples the first.
+// Dominoes along an Archimedean spiral, from the outside inwards. A rolling ball topples the first.
 #include "lockstone/math/math.h"
 #include "scenes/scene.h"
 
@@ -7,7 +7,8 @@ namespace {
 
 constexpr Real step = 0.45_r;        ///< [m] from domino to domino along the spiral
 constexpr Real arm_distance = 1.6_r; ///< [m] between neighbouring turns
-constexpr Real radius_min = 1.2_r;   ///< [m] where the spiral begins; tighter dominoes would miss each other
+/// [m] where the spiral begins; on tighter turns the dominoes would miss each other.
+constexpr Real radius_min = 1.2_r;
 
 class Domino final : public Scene {
   public:
@@ -18,7 +19,7 @@ class Domino final : public Scene {
         build.ground();
         Real radius = radius_min, angle{};
         for (std::uint32_t i = 0; i < options.size; ++i) {
-            const std::uint32_t number = options.size - 1 - i; // the outermost falls first
+            const std::uint32_t number = options.size - 1 - i; // the outermost domino falls first
             build.body({.pose = place(radius, angle, 0.5_r), .user_key = user_key_of(Role::prop, number)},
                        {.geometry = box(0.06_r, 0.5_r, 0.25_r), .density = 600_r, .friction = 0.4_r});
             angle += step / radius;
@@ -36,7 +37,7 @@ class Domino final : public Scene {
                   from_axis_angle(up, -(angle + half_pi)));
     }
 
-    /// One place beyond the last domino and some way back, rolling at it without slip.
+    /// The ball starts beyond the last domino of the spiral and rolls towards it without slip.
     static void add_ball(Builder& build, Real radius, Real angle) {
         constexpr Real size = 0.3_r, speed = 3_r;
         Transform pose = place(radius, angle, size);

@@ -1,4 +1,4 @@
-// Reads a file of assets, as `lockstone cook` writes it.
+// Reads a file of assets that `lockstone cook` has written.
 //
 //   AssetLibrary library;
 //   Result<AssetId> chair = load_assets("chair.lsa", library);
@@ -11,7 +11,8 @@
 
 namespace lockstone {
 
-/// Adds all assets of the file to the library and returns the id of the last. The error names the file; then nothing was added.
+/// Adds all assets of the file to the library and returns the id of the last one. On an error, which names the file,
+/// the library is unchanged.
 Result<AssetId> load_assets(const std::string& path, AssetLibrary& library);
 
 } // namespace lockstone

@@ -8,7 +8,7 @@ namespace lockstone::scenes_detail {
 namespace {
 
 constexpr std::uint32_t layer_side = 7; ///< bodies along each side of a layer
-constexpr Real spacing = 1.4_r;         ///< [m] between centres; clear of a box turned by 0.3 rad twice
+constexpr Real spacing = 1.4_r; ///< [m] between centres; boxes turned by 0.3 rad about two axes do not touch
 
 class Pile final : public Scene {
   public:
@@ -37,7 +37,7 @@ class Pile final : public Scene {
         return at({x, 1_r + spacing * Real(layer), z}, from_euler({tilt, turn, tilt}));
     }
 
-    /// Thick, and as high as the bodies start.
+    /// Thick walls, as high as the highest bodies at the start.
     void build_walls(Builder& build) const {
         const std::uint32_t layers = 1 + options.size / (layer_side * layer_side);
         const Real half_height = half(spacing * Real(layers) + 4_r);

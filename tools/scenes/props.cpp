@@ -11,7 +11,7 @@ using Corners = std::vector<LengthVec3>;
 
 LengthVec3 corner(Vec3 direction, Real size) { return to<Length>(direction * size); }
 
-/// Flat above, pointed below, eight facets around.
+/// A gem: flat above, pointed below, eight facets around.
 Corners gem(Real size) {
     Corners out;
     for (int i = 0; i < 8; ++i) {
@@ -23,7 +23,7 @@ Corners gem(Real size) {
     return out;
 }
 
-/// Three golden rectangles, each across the next.
+/// An icosahedron from three golden rectangles, each perpendicular to the others.
 Corners icosahedron(Real size) {
     constexpr Real near = 0.5257_r, far = 0.8506_r; // 1 and the golden ratio, scaled to length 1
     Corners out;
@@ -48,7 +48,7 @@ Corners tetrahedron(Real size) {
             corner({-a, -a, a}, size)};
 }
 
-/// Corners on an ellipsoid; the same rock in every scene.
+/// Corners on an ellipsoid. Every scene gets the same rock.
 Corners rock(Real size) {
     Random random = Random::seeded(40);
     Corners out;

@@ -8,16 +8,16 @@
 
 namespace lockstone::scenes_detail {
 
-/// Eleven shapes that each fit a ball of radius `size` [m]: five hulls (a gem, an icosahedron, a wedge, a tetrahedron, a
-/// rock of 40 random corners), which are baked, then cylinder, cone, capsule, rounded box, rounded cylinder, rounded
+/// Eleven shapes that each fit into a ball of radius `size` [m]: five baked hulls (a gem, an icosahedron, a wedge, a
+/// tetrahedron, a rock of 40 random corners), then cylinder, cone, capsule, rounded box, rounded cylinder, rounded
 /// cone.
 std::vector<Geometry> bake_props(Shelf& shelf, Real size);
 
-/// Turned anyhow.
+/// A random orientation.
 Quat random_turn(Random& random);
 
-/// As many bodies as the options say: the i-th at place(i, random), of the shapes in turn, with the surface's friction
-/// and so on.
+/// Adds SceneOptions::size bodies: the i-th is at place(i, random) and has the next of the shapes. `surface` holds the
+/// friction and the other values of each shape.
 template <class Place>
 void add_props(Builder& build, const SceneOptions& options, const std::vector<Geometry>& shapes,
                Place&& place, const ShapeDef& surface = {}) {

@@ -9,11 +9,11 @@ class Pyramid final : public Scene {
     using Scene::Scene;
 
     Result<World> start() const override {
-        constexpr Real gap =
-            0.001_r; // between neighbours of a row: near enough to lean on each other, not squeezed
+        // Between neighbours of a row: they touch without being squeezed.
+        constexpr Real gap = 0.001_r;
         const std::uint32_t base = options.size;
         WorldDef def = world_for(base * (base + 1) / 2, options.seed);
-        def.sleeping = 0; // what stands is to be measured, not what sleeps
+        def.sleeping = 0; // the scene measures bodies that stand, so none may sleep
         Builder build(def);
         build.ground();
         std::uint32_t number = 0;

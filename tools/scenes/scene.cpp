@@ -93,7 +93,7 @@ void Builder::keep(const Status& status) {
 WorldDef world_for(std::uint32_t dynamic_bodies, std::uint64_t seed) {
     constexpr std::uint32_t scenery = 16, pairs_per_body = 12;
     WorldDef def;
-    // Limits are part of the hash: the scenes keep those that their recordings were made with.
+    // Capacities are part of the hash: the scenes keep the values of their recordings.
     def.fields_max = def.characters_max = def.vehicles_max = 16;
     def.pair_filters_max = 64, def.joints_max = 256;
     def.bodies_max = dynamic_bodies + scenery;

@@ -1,4 +1,4 @@
-// What all scenes share: name, options, content id, and a builder that keeps the first error.
+// Parts that all scenes share: name, options, content id, and a builder that keeps the first error.
 #pragma once
 
 #include "lockstone/play/ragdoll.h"
@@ -6,8 +6,8 @@
 
 namespace lockstone::scenes_detail {
 
-/// What the rules of a scene do to the world in one tick. The first command that fails is kept and ends the tick's run; what
-/// the rules do after it is no longer of use.
+/// One tick of a scene's rules. It keeps the error of the first command that fails. The world then does not tick, and
+/// finish() returns the error.
 class Turn {
   public:
     explicit Turn(World& played) : world(played) {}
@@ -15,7 +15,7 @@ class Turn {
     void must(const Status& done) {
         if (status) status = done;
     }
-    /// The tick, unless a command has failed.
+    /// Runs the tick, unless a command has failed.
     Status finish() {
         if (status) world.tick();
         return status;
@@ -25,15 +25,15 @@ class Turn {
     Status status;
 };
 
-/// What a scene's check of a loaded state finds; the first sentence stays.
+/// Collects the result of a scene's check of a loaded state. The first error sentence is kept.
 class StateCheck {
   public:
     explicit StateCheck(const World& checked, std::string_view column) : world(checked), where(column) {}
-    /// `what` names the field; an id of something that lives.
+    /// Checks that the id names an existing object. `what` names the field.
     template <class Id> StateCheck& alive(Id id, std::string_view what) {
         return holds(world.is_alive(id), what, "names nothing that lives");
     }
-    /// A body that lives and that forces move.
+    /// Checks that the id names an existing dynamic body.
     StateCheck& dynamic(BodyId id, std::string_view what) {
         alive(id, what);
         return holds(!world.is_alive(id) || world.kind(id) == BodyKind::dynamic, what,
@@ -48,7 +48,7 @@ class StateCheck {
     Status status;
 };
 
-/// A scene with its options filled in. Scenes without players need `start` alone.
+/// A scene with its options filled in. Scenes without players need to define only `start`.
 class Scene : public Game {
   public:
     Scene(const SceneInfo& about, const SceneOptions& chosen, std::uint32_t version);
@@ -63,27 +63,27 @@ class Scene : public Game {
         return turn.finish();
     }
 
-    /// See controls_of; only for players that there are.
+    /// See controls_of. Called only for players of the game.
     virtual Controls controls(std::uint32_t) const { return {}; }
     /// See scripted_input; `input` is zero on entry.
     virtual void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
                         std::span<std::byte> input) const;
 
   protected:
-    /// The commands before the tick.
+    /// Issues the commands before the tick.
     virtual void play(Turn&, std::span<const PlayerInput>) const {}
 
     const SceneInfo& info;
-    const SceneOptions options; ///< nothing is left at "the scene's own"
+    const SceneOptions options; ///< defaults are filled in
     const std::uint32_t rules_version;
 };
 
-/// The assets of a scene, baked as it starts; after the first error the rest is skipped and `finish` returns it.
+/// The assets of a scene, baked at its start. After the first error it skips the rest, and `finish` returns the error.
 class Shelf {
   public:
     Shelf() = default;
     explicit Shelf(AssetLibrary with) : library(std::move(with)) {}
-    Geometry add(const Result<AssetBytes>& baked); ///< with the kind that it has
+    Geometry add(const Result<AssetBytes>& baked); ///< with the kind of the asset
     Result<std::shared_ptr<const AssetLibrary>> finish() &&;
 
   private:
@@ -91,7 +91,7 @@ class Shelf {
     Status status;
 };
 
-/// Makes a world body by body; after the first error the rest is skipped and `finish` returns it.
+/// Makes a world body by body. After the first error it skips the rest, and `finish` returns the error.
 class Builder {
   public:
     explicit Builder(const WorldDef& def, const GameSchema& schema = {},
@@ -100,7 +100,7 @@ class Builder {
     BodyId body(const BodyDef& def, const ShapeDef& shape);
     void shape(BodyId body, const ShapeDef& shape);
     BodyId ground(); ///< a plane through the origin
-    /// Between two bodies where they stand, the first of which may be null; see World::create_joint.
+    /// Adds a joint between two bodies in their current poses. The first id may be null; see World::create_joint.
     JointId joint(const JointDef& def, BodyId a, BodyId b, const Transform& at);
     JointId joint(const JointDef& def);
     FieldId field(const FieldDef& def);
@@ -122,14 +122,14 @@ class Builder {
     Result<World> made;
 };
 
-/// A world that holds `dynamic_bodies` bodies of one shape, the scenery, and their contacts.
+/// A definition with capacity for `dynamic_bodies` bodies of one shape each, the scenery, and their contacts.
 WorldDef world_for(std::uint32_t dynamic_bodies, std::uint64_t seed);
 
-/// Placed upright at a point.
+/// An upright pose at a point.
 Transform at(Vec3 position);
 Transform at(Vec3 position, Quat rotation);
 
-// One per scene; the registry in scenes.cpp lists them.
+// One function per scene; the registry in scenes.cpp lists them.
 using MakeScene = std::unique_ptr<Scene> (*)(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_two_blocks(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_stack(const SceneInfo&, const SceneOptions&);

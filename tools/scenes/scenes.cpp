@@ -52,7 +52,7 @@ constexpr std::array<MakeScene, infos.size()> makers{
     make_washer,     make_domino,        make_character, make_cars,  make_ragdolls,      make_joint_grid,
     make_bridge,     make_wrecking_ball, make_water,     make_blast, make_rollback_arena};
 
-/// Levenshtein's distance: the fewest letters to insert, delete or replace.
+/// Levenshtein's distance: the smallest number of letters to insert, delete or replace.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
     std::vector<std::size_t> row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -68,7 +68,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
-/// Appends, since `"text" + std::string` trips a false alarm of g++ 12 (its bug 105329).
+/// Concatenates by appending, since `"text" + std::string` causes a false warning of g++ 12 (its bug 105329).
 std::string join(std::initializer_list<std::string_view> pieces) {
     std::string out;
     for (const std::string_view piece : pieces) out += piece;
@@ -100,7 +100,7 @@ Status check(std::string_view scene, std::string_view what, std::uint32_t value,
                        std::to_string(high)})};
 }
 
-/// Reads "key=number" from the front of `text`.
+/// Reads " key=number" from the front of `text`.
 bool take_option(std::string_view& text, std::string_view key, std::uint64_t& value) {
     if (!text.starts_with(' ')) return false;
     text.remove_prefix(1);
@@ -164,7 +164,7 @@ Controls controls_of(const Game& game, std::uint32_t player) {
 constexpr std::array<std::uint32_t, 6> prop_colours{0x4e79a7, 0xf28e2b, 0x59a14f,
                                                     0xedc948, 0xb07aa1, 0x76b7b2};
 
-/// A shirt of its own, trousers, shoes and skin like everybody's.
+/// Each human has a shirt of its own colour; trousers, shoes and skin have equal colours for all.
 static std::uint32_t human_colour(std::uint32_t number) {
     switch (static_cast<RagdollPart>(number % human_stride)) {
     case RagdollPart::abdomen:

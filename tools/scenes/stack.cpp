@@ -1,4 +1,4 @@
-// A tower of 1 m boxes: the hardest small test of a solver's stiffness and of its rest state.
+// A tower of 1 m boxes: the hardest small test for the stiffness of a solver and for rest.
 #include "scenes/scene.h"
 
 namespace lockstone::scenes_detail {
@@ -10,7 +10,7 @@ class Stack final : public Scene {
 
     Result<World> start() const override {
         WorldDef def = world_for(options.size, options.seed);
-        def.sleeping = 0; // what stands is to be measured, not what sleeps
+        def.sleeping = 0; // the scene measures bodies that stand, so none may sleep
         Builder build(def);
         build.ground();
         for (std::uint32_t i = 0; i < options.size; ++i)

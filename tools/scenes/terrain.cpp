@@ -1,5 +1,5 @@
 // Hills of 320 x 320 cells, 204,800 triangles: a height field of 160 x 160 m with a bowl in the middle. Bodies of every
-// kind roll and slide down into the bowl; an arch, which is a mesh, stands at its bottom.
+// kind roll and slide into the bowl. An arch, which is a mesh, is at its bottom.
 #include "lockstone/math/math.h"
 #include "scenes/props.h"
 
@@ -12,10 +12,10 @@ constexpr std::uint32_t samples = 321; ///< along each side
 constexpr Real spacing = 0.5_r;        ///< [m] between samples
 constexpr Real half_side = 80_r;       ///< [m]
 
-/// [m] above 0 at a place, the middle of the field being the origin.
+/// The height at a place [m]; the origin is the middle of the field.
 Real height_at(Real x, Real z) {
     const Real bowl =
-        9_r * (1_r - cos(min(sqrt(x * x + z * z) / 24_r, pi))); // 0 in the middle, 18 m from 75 m on
+        9_r * (1_r - cos(min(sqrt(x * x + z * z) / 24_r, pi))); // 0 in the middle, 18 m at 75 m and beyond
     const Real hills = 2.2_r * sin(x * 0.11_r) * cos(z * 0.13_r) + 0.8_r * sin(x * 0.31_r + z * 0.23_r);
     const Real bumps = 0.12_r * sin(x * 1.3_r) * sin(z * 1.1_r);
     return bowl + hills + bumps;
@@ -31,7 +31,7 @@ Result<AssetBytes> bake_hills() {
         {.columns = samples, .rows = samples, .spacing = to<Length>(spacing), .heights = heights});
 }
 
-/// Half a ring with a square section, standing along x: steps + 1 sections of four corners and two ends.
+/// Half a ring with a square cross-section, upright along x: steps + 1 sections of four corners, and two ends.
 Result<AssetBytes> bake_arch() {
     constexpr std::uint32_t steps = 24;
     constexpr Real inner = 4_r, outer = 5.5_r, half_width = 1.5_r;
@@ -47,7 +47,7 @@ Result<AssetBytes> bake_arch() {
         triangles.push_back({a, b, c});
         triangles.push_back({a, c, d});
     };
-    // Seen from the end at angle 0 the corners of a section run counter-clockwise around it.
+    // Seen from the end at angle 0, the corners of a section run counter-clockwise.
     for (std::uint32_t i = 0; i < steps; ++i)
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::uint32_t here = 4 * i + k, next = 4 * i + (k + 1) % 4;
@@ -86,7 +86,7 @@ class Terrain final : public Scene {
     }
 
   private:
-    /// On rings around the bowl, clear of each other: 36 bodies a ring.
+    /// On rings around the bowl, apart from each other: 36 bodies on each ring.
     static Transform place(std::uint32_t i, Random& random) {
         constexpr std::uint32_t per_ring = 36;
         const std::uint32_t ring = i / per_ring;

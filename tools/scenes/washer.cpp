@@ -1,5 +1,5 @@
-// A drum with paddles turns about a level axis for ever, and small bodies tumble in it. The drum is one compound of
-// boxes on a kinematic body; a plane that looks into it stands before its open end.
+// A drum with paddles turns forever about a horizontal axis, and small bodies tumble in it. The drum is one compound of
+// boxes on a kinematic body. A plane that faces into the drum closes its open end.
 #include "lockstone/math/math.h"
 #include "scenes/props.h"
 
@@ -14,7 +14,7 @@ constexpr Real height = 4_r;                     ///< of the axis above the grou
 constexpr std::uint32_t wall_count = 20, paddle_count = 4;
 constexpr UnitVec3 along_axis{Unit{}, Unit{}, unit_one};
 
-/// About the z axis. The back is a disc; the walls overlap so that no gap opens between them.
+/// A compound about the z axis. The back is a disc; the walls overlap so that no gap opens between them.
 Result<AssetBytes> bake_drum() {
     std::vector<CompoundPart> parts;
     const auto add_around = [&](Geometry geometry, Real distance, Real angle) {
@@ -53,7 +53,7 @@ class Washer final : public Scene {
                     .angular_velocity = {0_r, 0_r, spin},
                     .user_key = user_key_of(Role::terrain, 1)},
                    {.geometry = drum});
-        // The glass: its normal is -z, so nobody who looks in from before it sees it.
+        // The glass. Its normal is -z, so a viewer in front of the drum sees no face of it.
         constexpr UnitVec3 along_x{unit_one, Unit{}, Unit{}};
         build.body({.kind = BodyKind::static_,
                     .pose = at({0_r, 0_r, half_depth}, from_axis_angle(along_x, -half_pi)),
@@ -64,8 +64,8 @@ class Washer final : public Scene {
     }
 
   private:
-    /// On a grid within the drum, nearer to its axis than the paddles; a second grid lies between the first one's
-    /// places, and so on.
+    /// On a grid within the drum, nearer to its axis than the paddles. A second grid lies between the places of the
+    /// first one, and so on.
     static Transform place(std::uint32_t i, Random& random) {
         constexpr std::int32_t side = 8, deep = 5;
         constexpr Real step = 0.42_r;

@@ -1,5 +1,5 @@
 #pragma once
-/// How a surface answers light.
+/// The reaction of a surface to light.
 
 #include "render/gl/shader.h"
 #include "render/gl/texture.h"
@@ -10,11 +10,11 @@
 
 namespace lockstone::demo {
 
-/// Drawn over the colour by the shader.
+/// A pattern that the shader draws over the colour.
 enum class Pattern : int {
     plain = 0,
     checker = 1,  ///< 1 m squares and a line every 10 m, in the object's xz plane
-    octants = 2,  ///< two tones, so that a turning ball is seen to turn
+    octants = 2,  ///< two tones that make the rotation of a ball visible
     quarters = 3, ///< two tones around the y axis, for capsules, cylinders and cones
 };
 

@@ -11,10 +11,9 @@
 
 namespace lockstone::demo {
 
-/// One corner. In the object's frame it sits at `anchor * scale + offset * radius`, with scale and radius
-/// from the instance. Rounded shapes of any proportion thus share one mesh: a capsule's caps stay half
-/// spheres however long it is, and a box keeps a bevel of constant width, which scaling a finished mesh would
-/// not give.
+/// One corner. In the object's frame its position is `anchor * scale + offset * radius`, with scale and radius from the
+/// instance. Rounded shapes of any proportion thus share one mesh: the caps of a capsule stay half spheres at any
+/// length, and the bevel of a box keeps its width. Scaling a finished mesh would distort both.
 struct Vertex {
     glm::vec3 anchor{0}; ///< scaled per axis
     glm::vec3 offset{0}; ///< scaled by the radius; if not zero it is the normal
@@ -28,7 +27,7 @@ struct MeshData {
     std::vector<std::uint32_t> indices;
 };
 
-/// What the GPU reads for each drawn instance.
+/// The data of one drawn instance on the GPU.
 struct GpuInstance {
     glm::mat4 pose{1};
     glm::vec4 scale_radius{1, 1, 1, 0}; ///< xyz [m] on anchors, w [m] on offsets

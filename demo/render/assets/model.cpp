@@ -15,7 +15,7 @@ namespace {
 
 glm::vec3 to_glm(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-/// Points and lines are dropped: only the triangles of `source` are kept.
+/// Keeps only the triangles of `source`; points and lines are dropped.
 MeshData read_mesh(const aiMesh& source) {
     MeshData mesh;
     mesh.vertices.reserve(source.mNumVertices);
@@ -48,7 +48,7 @@ Image read_embedded(const aiTexture& source, const std::string& name) {
     return image;
 }
 
-/// The linear colour of the file as sRGB, which Material takes.
+/// Converts the linear colour of the file to sRGB, as Material stores it.
 glm::vec3 to_srgb(const aiColor3D& colour) {
     const auto encode = [](float value) { return std::pow(glm::clamp(value, 0.0f, 1.0f), 1 / 2.2f); };
     return {encode(colour.r), encode(colour.g), encode(colour.b)};
@@ -60,8 +60,7 @@ Material read_material(const aiScene& scene, const aiMaterial& source, const std
     aiColor3D colour(1, 1, 1);
     float value = 0;
     int two_sided = 0;
-    // glTF says its factors are linear; the colours of OBJ and the like are by custom what an artist picked
-    // in sRGB.
+    // The factors of glTF are linear. The colours of OBJ and similar formats are sRGB by convention.
     if (source.Get(AI_MATKEY_BASE_COLOR, colour) == AI_SUCCESS)
         material.colour = to_srgb(colour);
     else if (source.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == AI_SUCCESS)

@@ -30,7 +30,7 @@ class Model {
 
     const std::vector<Part>& parts() const { return parts_; }
 
-    /// In the model's frame, in the file's unit.
+    /// Bounds in the model's frame, in the unit of the file.
     const Bounds& bounds() const { return bounds_; }
 
   private:

@@ -21,7 +21,7 @@ class Object {
     /// The material of part `index`: the override if one is set, else the model's own.
     const Material& material(std::size_t index) const;
 
-    /// Draws every part with `material` instead of its own; std::nullopt goes back.
+    /// Draws every part with `material` in place of its own; std::nullopt restores their own.
     void set_material(std::optional<Material> material) { material_ = std::move(material); }
 
     /// Model frame to world, y up [m]. May scale, but not mirror.
@@ -32,7 +32,7 @@ class Object {
     const glm::vec3& tint() const { return tint_; }
     void set_tint(const glm::vec3& tint) { tint_ = tint; }
 
-    /// 0 .. 1: a glowing rim, for what is selected.
+    /// 0 .. 1: a glowing rim for selected objects.
     float highlight() const { return highlight_; }
     void set_highlight(float highlight) { highlight_ = highlight; }
 

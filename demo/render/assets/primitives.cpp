@@ -101,8 +101,7 @@ MeshData make_box() {
 
 MeshData make_capsule() {
     MeshData mesh;
-    // Rings from the lower pole up; the equator comes twice, once for each half, with the cylinder in
-    // between.
+    // Rings from the lower pole up. The equator appears twice, once for each half; the cylinder lies in between.
     constexpr int rings = 2 * (cap_rings + 1);
     for (int ring = 0; ring < rings; ++ring) {
         const bool upper = ring > cap_rings;

@@ -9,7 +9,7 @@ namespace lockstone::demo {
 namespace {
 
 constexpr glm::vec3 up(0, 1, 0);
-constexpr float pitch_limit = 1.55f;  ///< short of straight up, where yaw would lose its meaning [rad]
+constexpr float pitch_limit = 1.55f;  ///< less than a right angle, at which yaw is undefined [rad]
 constexpr float near_distance = 0.1f; ///< [m]
 constexpr float far_distance = 2000;  ///< [m]
 

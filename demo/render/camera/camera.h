@@ -1,5 +1,5 @@
 #pragma once
-/// Where the picture is taken from.
+/// The camera: position, direction and projection.
 
 #include <glm/glm.hpp>
 
@@ -26,7 +26,7 @@ class Camera {
     void pan(const glm::vec2& offset);  ///< moves in the picture plane [m]: x right, y up
     void fly(const glm::vec3& offset);  ///< moves along the view's axes [m]: x right, y up, z forward
 
-    /// Moves so that a sphere fills the picture, keeping the direction.
+    /// Moves the camera so that a sphere fills the picture; the direction stays.
     void frame(const glm::vec3& centre, float radius);
 
     void set_focus(const glm::vec3& focus) { focus_ = focus; }
@@ -45,7 +45,7 @@ class Camera {
     /// The ray through a pixel of a viewport of `size` pixels, counted from the top left.
     Ray ray(const glm::vec2& pixel, const glm::vec2& size) const;
 
-    /// The pixel of a world point, or nothing if it lies behind the eye.
+    /// The pixel of a world point; empty if the point lies behind the eye.
     std::optional<glm::vec2> project(const glm::vec3& point, const glm::vec2& size) const;
 
   private:

@@ -9,7 +9,7 @@ void drive_camera(Camera& camera, const Input& input, float viewport_height, flo
     const glm::vec2 drag = input.cursor_change / std::max(viewport_height, 1.0f);
     constexpr float turn_per_height = 3.0f; // [rad]
     if (input.down(MouseButton::right)) camera.orbit(-turn_per_height * drag.x, -turn_per_height * drag.y);
-    // A pan by the picture's height moves the focus about as far as the picture is high there.
+    // A drag over the height of the picture moves the focus by about the height of the visible area there.
     if (input.down(MouseButton::middle)) camera.pan(camera.distance() * glm::vec2(-drag.x, drag.y));
     if (input.scroll.y != 0) camera.zoom(std::pow(0.88f, input.scroll.y));
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the player does: one snapshot per Surface::poll.
+/// The state of keyboard, mouse and gamepads: one snapshot per Surface::poll.
 
 #include <glm/glm.hpp>
 
@@ -10,7 +10,7 @@
 namespace lockstone::demo {
 
 // clang-format off
-/// The keys of a US layout. The values are GLFW's, which are ASCII for what prints.
+/// The keys of a US layout. The values are those of GLFW: ASCII for printable keys.
 enum class Key : int {
     space = 32, apostrophe = 39, comma = 44, minus = 45, period = 46, slash = 47,
     num_0 = 48, num_1, num_2, num_3, num_4, num_5, num_6, num_7, num_8, num_9,
@@ -27,8 +27,8 @@ constexpr std::size_t key_count = 349;
 
 enum class MouseButton : int { left = 0, right = 1, middle = 2 };
 
-/// Buttons are down or up; `pressed` and `released` tell what changed since the poll before. A key struck and
-/// let go between two polls is still pressed once.
+/// The state of buttons. `pressed` and `released` hold the changes since the last poll. A key that was pressed and
+/// released between two polls still counts as pressed once.
 template <std::size_t count> struct Buttons {
     std::bitset<count> down;
     std::bitset<count> pressed;
@@ -44,7 +44,7 @@ struct Gamepad {
     };
     // clang-format on
     bool connected = false;
-    glm::vec2 left_stick{0}; ///< -1 .. 1, y up, small deflections cut to 0
+    glm::vec2 left_stick{0}; ///< -1 .. 1, y up, small deflections are 0
     glm::vec2 right_stick{0};
     float left_trigger = 0; ///< 0 .. 1
     float right_trigger = 0;
@@ -55,8 +55,8 @@ struct Input {
     Buttons<key_count> keys;
     Buttons<8> mouse;
     glm::vec2 cursor{0};        ///< pixels of the surface, from the top left
-    glm::vec2 cursor_change{0}; ///< since the poll before [px]
-    glm::vec2 scroll{0};        ///< wheel steps since the poll before, y up
+    glm::vec2 cursor_change{0}; ///< since the last poll [px]
+    glm::vec2 scroll{0};        ///< wheel steps since the last poll, y up
     std::array<Gamepad, 4> gamepads;
 
     bool down(Key key) const { return keys.down[static_cast<std::size_t>(key)]; }

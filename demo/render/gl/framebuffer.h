@@ -1,5 +1,5 @@
 #pragma once
-/// Pixels to draw into.
+/// A framebuffer with colour, samples and depth.
 
 #include "gl.h"
 
@@ -12,11 +12,11 @@ class Framebuffer {
   public:
     enum class Depth { none, buffer };
 
-    /// `size` in pixels, at least 1 x 1. `samples` of 0 means no multisampling; it is cut to what the driver
-    /// offers. Throws std::runtime_error if the driver refuses.
+    /// `size` in pixels, at least 1 x 1. `samples` of 0 means no multisampling; larger values are limited to the
+    /// driver's maximum. Throws std::runtime_error if the driver refuses.
     Framebuffer(const glm::ivec2& size, int samples, Depth depth);
 
-    /// Makes it the target of drawing, with the viewport set to all of it.
+    /// Makes it the render target and sets the viewport to its size.
     void bind() const;
 
     /// Copies the colour to `target` of the same size, averaging samples.

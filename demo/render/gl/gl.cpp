@@ -72,7 +72,7 @@ void ProgramKind::destroy(GLuint name) { glDeleteProgram(name); }
 
 std::string take_gl_errors() {
     std::string errors;
-    // A lost context may report errors for ever, so the loop is bounded.
+    // A lost context may report errors endlessly, so the loop is bounded.
     for (int i = 0; i < 16; ++i) {
         const GLenum code = glGetError();
         if (code == GL_NO_ERROR) break;

@@ -1,5 +1,5 @@
 #pragma once
-/// OpenGL names with owners, and error checks. Every call needs a current context (see surface.h).
+/// Owners of OpenGL names, and error checks. Every call needs a current context (see surface.h).
 
 #include <epoxy/gl.h>
 
@@ -25,7 +25,7 @@ template <class Kind> class GlHandle {
     GlHandle(const GlHandle&) = delete;
     GlHandle& operator=(const GlHandle&) = delete;
 
-    /// A new name. Arguments go to the GL call (the stage, for a shader).
+    /// Creates a name. The arguments are passed to the GL call (the stage of a shader).
     template <class... Arguments> static GlHandle make(Arguments... arguments) {
         GlHandle handle;
         handle.name_ = Kind::create(arguments...);
@@ -87,8 +87,8 @@ std::string take_gl_errors();
 /// In builds without NDEBUG: throws std::runtime_error when a GL error is pending. Otherwise does nothing.
 void check_gl(std::string_view where);
 
-/// Live GL objects of this context, e.g. "2 buffers, 1 texture"; empty if there are none. For leak checks:
-/// asks GL about each name below 4096, so nothing has to be counted by hand.
+/// Live GL objects of this context, e.g. "2 buffers, 1 texture"; empty if there are none. For leak checks: tests each
+/// name below 4096 in GL, so that no counters are needed.
 std::string live_gl_objects();
 
 } // namespace lockstone::demo

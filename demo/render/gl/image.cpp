@@ -52,7 +52,8 @@ void write_png(const Image& image, const std::filesystem::path& path) {
     if (stbi_write_png_to_func(append, &bytes, image.width, image.height, 4, image.pixels.data(),
                                4 * image.width) == 0)
         throw std::runtime_error("cannot encode " + path.string() + " as PNG");
-    // Encoded in memory first, so that a full disk gives the reason instead of half a file without a word.
+    // The image is encoded in memory first, so that a full disk causes an error with the reason and not a silently
+    // truncated file.
     std::ofstream file(path, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     file.close();

@@ -19,13 +19,13 @@ struct Image {
 /// Reads a PNG, JPEG, BMP or TGA file. Throws std::runtime_error naming the file and the reason.
 Image load_image(const std::filesystem::path& path);
 
-/// Decodes an image file held in memory; `name` is for the error text.
+/// Decodes an image file in memory; `name` is for error messages.
 Image decode_image(std::span<const std::uint8_t> bytes, const std::string& name);
 
-/// Writes a PNG file. Throws std::runtime_error naming the file if it cannot.
+/// Writes a PNG file. On failure throws std::runtime_error naming the file.
 void write_png(const Image& image, const std::filesystem::path& path);
 
-/// The whole file. Throws std::runtime_error naming the file and the reason.
+/// Reads a whole file. Throws std::runtime_error naming the file and the reason.
 std::vector<std::uint8_t> read_file(const std::filesystem::path& path);
 
 } // namespace lockstone::demo

@@ -9,7 +9,7 @@
 namespace lockstone::demo {
 namespace {
 
-/// "WHAT: EGL error 0x3008".
+/// An error with the text "WHAT: EGL error 0x3008".
 std::runtime_error egl_error(const std::string& what) {
     std::array<char, 32> code{};
     std::snprintf(code.data(), code.size(), "EGL error 0x%04x", static_cast<unsigned>(eglGetError()));
@@ -37,11 +37,11 @@ class EglContext {
         const std::array<EGLint, 9> attributes{
             EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-            // Older EGL knows the debug flag only as an extension, so it is named only when wanted.
+            // Older EGL has the debug flag only as an extension, so the list contains it only on demand.
             debug ? EGL_CONTEXT_FLAGS_KHR : EGL_NONE, EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR, EGL_NONE};
         context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, attributes.data());
         if (context_ == EGL_NO_CONTEXT) throw egl_error("no OpenGL 3.3 core context");
-        // A context without any surface needs an extension; a pbuffer of one pixel works everywhere.
+        // A context without a surface needs an extension; a pbuffer of one pixel works everywhere.
         if (!epoxy_has_egl_extension(display_, "EGL_KHR_surfaceless_context")) {
             const std::array<EGLint, 5> size{EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
             surface_ = eglCreatePbufferSurface(display_, config, size.data());
@@ -53,7 +53,7 @@ class EglContext {
 
   private:
     static EGLDisplay open_display() {
-        // epoxy ends the process when it calls into a library that is missing, so ask first.
+        // epoxy ends the process when a library is missing, so this check comes first.
         if (!epoxy_has_egl()) throw std::runtime_error("cannot draw off-screen: libEGL is not installed");
         EGLDisplay display = EGL_NO_DISPLAY;
         if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless"))

@@ -11,7 +11,7 @@
 namespace lockstone::demo {
 namespace {
 
-/// The text of `path` with its includes. `depth` stops files that include each other.
+/// The text of `path` with its includes. `depth` limits files that include each other.
 std::string read_source(const std::filesystem::path& path, int depth = 0) {
     if (depth > 8) throw std::runtime_error("shader " + path.string() + " is included too deeply");
     const std::vector<std::uint8_t> bytes = read_file(path);
@@ -27,7 +27,7 @@ std::string read_source(const std::filesystem::path& path, int depth = 0) {
         }
         const std::string name =
             line.substr(directive.size(), line.find('"', directive.size()) - directive.size());
-        // Included lines keep their own numbers, then the count goes on here.
+        // Included lines have their own numbers; afterwards the numbering of this file continues.
         out += "#line 1\n" + read_source(path.parent_path() / name, depth + 1);
         out += "#line " + std::to_string(number + 1) + '\n';
     }

@@ -22,7 +22,7 @@ class Shader {
 
     void use() const;
 
-    /// Sets a uniform; call use() first. A name the program does not have is ignored, since drivers drop
+    /// Sets a uniform; call use() first. A name that the program does not have is ignored, because drivers remove
     /// unused ones.
     void set(std::string_view name, int value) const;
     void set(std::string_view name, float value) const;

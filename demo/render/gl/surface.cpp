@@ -57,12 +57,12 @@ Image Surface::read_pixels() const {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, target_->name());
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
-    // GL counts rows from the bottom.
+    // The rows of GL begin at the bottom.
     for (std::size_t y = 0; y < rows / 2; ++y) {
         std::uint8_t* upper = image.pixels.data() + y * row;
         std::swap_ranges(upper, upper + row, image.pixels.data() + (rows - 1 - y) * row);
     }
-    // Blending leaves meaningless alpha behind; a picture is opaque.
+    // Blending leaves arbitrary alpha values; the picture is made opaque.
     for (std::size_t i = 3; i < image.pixels.size(); i += 4) image.pixels[i] = 255;
     check_gl("Surface::read_pixels");
     return image;

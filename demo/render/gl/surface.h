@@ -1,5 +1,5 @@
 #pragma once
-/// A place to draw: a window (GLFW), or memory (EGL) when there is no display. It reads pixels and writes PNG files.
+/// A drawing surface: a window (GLFW), or memory (EGL) without a display. It can read pixels and write PNG files.
 
 #include "framebuffer.h"
 #include "image.h"
@@ -17,29 +17,30 @@ struct SurfaceOptions {
     glm::ivec2 size{1280, 720}; ///< [px]; a window may be resized later
     std::string title = "Lockstone";
     bool vsync = true;
-    bool debug = false; ///< ask the driver for messages, see Surface::gl_messages
+    bool debug = false; ///< collects messages of the driver, see Surface::gl_messages
 };
 
-/// Owns an OpenGL 3.3 core context and makes it current on the calling thread. Everything is drawn into one
-/// framebuffer of its own, so pixels can be read back the same way from a window and off-screen. Open one at
-/// a time; it must outlive every GL object made in it.
+/// Owns an OpenGL 3.3 core context and makes it current on the calling thread. All drawing goes to one framebuffer, so
+/// reading pixels works alike for a window and off-screen. Only one may be open at a time; it must outlive every GL
+/// object of its context.
 class Surface {
   public:
     virtual ~Surface() = default;
     Surface(const Surface&) = delete;
     Surface& operator=(const Surface&) = delete;
 
-    /// True if DISPLAY or WAYLAND_DISPLAY is set, so that a window has a chance.
+    /// True if DISPLAY or WAYLAND_DISPLAY is set, so that a window may open.
     static bool display_available();
 
     /// A window through GLFW: resizable, with keyboard, mouse and gamepads. Throws std::runtime_error with
     /// the reason.
     static std::unique_ptr<Surface> open_window(const SurfaceOptions& options);
 
-    /// Off-screen through EGL; Mesa's llvmpipe will do. Throws std::runtime_error with the reason.
+    /// Off-screen through EGL; Mesa's software renderer llvmpipe is sufficient. Throws std::runtime_error with the
+    /// reason.
     static std::unique_ptr<Surface> open_offscreen(const SurfaceOptions& options);
 
-    /// Handles events and a changed window size. Call once before each picture.
+    /// Handles events and changes of the window's size. Call once before each picture.
     virtual const Input& poll() = 0;
 
     /// Shows the picture; returns at once off-screen.
@@ -56,7 +57,7 @@ class Surface {
     /// [px], at least 1 x 1.
     const glm::ivec2& size() const { return target_->size(); }
 
-    /// What the renderer draws into; no depth, no samples.
+    /// The render target of the renderer; no depth, no samples.
     const Framebuffer& target() const { return *target_; }
 
     Image read_pixels() const;
@@ -73,10 +74,10 @@ class Surface {
   protected:
     Surface() = default;
 
-    /// To be called by the derived class once its context is current.
+    /// The derived class calls it once its context is current.
     void start(const glm::ivec2& size, bool debug);
     void resize(const glm::ivec2& size);
-    /// To be called before the derived class destroys its context.
+    /// The derived class calls it before it destroys its context.
     void stop() { target_.reset(); }
 
   private:

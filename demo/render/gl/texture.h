@@ -12,8 +12,8 @@ namespace lockstone::demo {
 /// Immutable 2D texture. Move-only.
 class Texture {
   public:
-    /// RGBA with mipmaps, repeating, filtered anisotropically where the driver can. Values are sampled as
-    /// stored.
+    /// RGBA with mipmaps, repeating, with anisotropic filtering if the driver has it. Shaders read the stored values
+    /// without conversion.
     explicit Texture(const Image& image);
 
     /// One 8-bit channel (red), clamped, linear, no mipmaps: glyph atlases.

@@ -18,7 +18,7 @@ std::runtime_error window_error(const std::string& what) {
     return std::runtime_error("cannot open a window: " + what + (reason ? ": " + std::string(reason) : ""));
 }
 
-/// Starts and ends GLFW.
+/// Initialises GLFW and terminates it.
 struct GlfwLibrary {
     GlfwLibrary() {
         if (glfwInit() != GLFW_TRUE) throw window_error("GLFW does not start");
@@ -52,7 +52,7 @@ template <std::size_t count> void set_button(Buttons<count>& buttons, int index,
     (action == GLFW_PRESS ? buttons.pressed : buttons.released).set(bit);
 }
 
-/// GLFW's sticks point down and never rest at exactly 0.
+/// In GLFW the y axis of sticks points down, and sticks at rest are not exactly 0.
 glm::vec2 stick(const float* axes) {
     constexpr float dead_zone = 0.15f;
     const glm::vec2 raw(axes[0], -axes[1]);
@@ -65,7 +65,7 @@ void read_gamepad(int slot, Gamepad& pad) {
     GLFWgamepadstate state{};
     pad.connected = glfwGetGamepadState(slot, &state) == GLFW_TRUE;
     const Buttons<15> before = pad.buttons;
-    // An unplugged pad reads as all zero, so nothing stays held down.
+    // An unplugged gamepad reads as all zero, so that no button stays pressed.
     for (std::size_t i = 0; i < pad.buttons.down.size(); ++i)
         pad.buttons.down[i] = pad.connected && state.buttons[i] == GLFW_PRESS;
     pad.buttons.pressed = pad.buttons.down & ~before.down;
@@ -135,7 +135,7 @@ void WindowSurface::poll_cursor() {
     glfwGetCursorPos(window_.get(), &x, &y);
     glm::ivec2 window_size(1);
     glfwGetWindowSize(window_.get(), &window_size.x, &window_size.y);
-    // Cursor positions come in screen coordinates, which on some systems are not pixels.
+    // Cursor positions are in screen coordinates, which are not pixels on some systems.
     const glm::vec2 cursor =
         glm::vec2(x, y) * glm::vec2(size()) / glm::vec2(glm::max(window_size, glm::ivec2(1)));
     input_.cursor_change = cursor_known_ ? cursor - input_.cursor : glm::vec2(0);

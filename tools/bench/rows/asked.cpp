@@ -1,4 +1,4 @@
-// Rows of questions: rays, casts and overlaps in a world of bodies and on a mesh. A "tick" of such a row is 500 questions.
+// Rows of queries: rays, casts and overlaps in a world of bodies and on a mesh. A "tick" of such a row is 500 queries.
 #include "bench/rows/rows.h"
 
 namespace lockstone::bench::rows {
@@ -7,12 +7,12 @@ namespace {
 enum class Kind { ray, cast, overlap };
 struct Question {
     Kind kind;
-    int probe; ///< of a cast or an overlap: which of the scene's probes
+    int probe; ///< index of the probe in the scene, for casts and overlaps
     V3 from, way;
 };
 using Questions = std::vector<Question>;
 
-/// Returns the number of hits of rays and casts plus the number of bodies that overlaps find.
+/// Returns the number of rays and casts that hit, plus the number of bodies that overlaps find.
 int ask(const Engine& engine, const Questions& questions) {
     int found = 0;
     for (const Question& one : questions) switch (one.kind) {
@@ -29,7 +29,7 @@ int ask(const Engine& engine, const Questions& questions) {
     return found;
 }
 
-/// Bodies of three shapes in a cube of 60 m, apart from each other; or hills. Nothing falls.
+/// A world of bodies of three shapes, apart from each other in a cube of 60 m, or of hills. Gravity is off.
 BenchScene asked_world(const char* name, const char* about, bool of_bodies, Size size) {
     const bool full = size == Size::full;
     BenchScene made = begin_row(name, about, 40, 10);
@@ -51,7 +51,7 @@ BenchScene asked_world(const char* name, const char* about, bool of_bodies, Size
     return made;
 }
 
-/// With the questions: the first tick builds what they look into.
+/// Adds the queries to a scene. The script runs two ticks first, which build the structures that the queries search.
 BenchScene asking(BenchScene made, const Questions& questions) {
     made.script = [](Engine& engine, int tick) {
         if (tick == 0) engine.advance(2);
@@ -62,7 +62,7 @@ BenchScene asking(BenchScene made, const Questions& questions) {
     return made;
 }
 
-/// From anywhere in the cube of 60 m, 40 m far.
+/// Queries that start anywhere in the cube of 60 m and reach 40 m far.
 Questions among_bodies(Kind kind, int probes) {
     Questions questions;
     Random random(42);
@@ -74,7 +74,7 @@ Questions among_bodies(Kind kind, int probes) {
     return questions;
 }
 
-/// Casts and rays from 5 m above the hills, slanting down; overlaps with what lies in the surface.
+/// Casts and rays that start 5 m above the hills and slant down; overlaps of probes that lie in the surface.
 Questions on_hills(Kind kind) {
     Questions questions;
     Random random(43);

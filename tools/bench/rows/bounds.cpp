@@ -1,17 +1,17 @@
-// The bounds of the rows. They were written before the engine was tuned for these rows.
+// The bounds of the rows. They were fixed before the engine was tuned for these rows.
 #include "bench/rows/rows.h"
 
 namespace lockstone::bench::rows {
 namespace {
 
-/// `box3d`, `must`, `goal`: time of ours / Box3D (of queries: / the best rival), as it was measured, as it must be and as it is to be.
-/// The other two are of the same version in the scenes of this folder, 0: no such bound: the ratio of Bullet's time to ours,
-/// and millions of instructions a tick.
+/// `box3d`, `must`, `goal`: the ratio of Lockstone's time to Box3D's (in rows of queries: to the fastest rival's) as it
+/// was measured, the bound, and the goal. `bullet`: the ratio of Bullet's time to Lockstone's, and `millions`: millions
+/// of instructions a tick, both of the same version of the engine in the scenes of this folder; 0: no such bound.
 struct Bound {
     const char* name;
     double box3d, must, goal, bullet, millions;
-    double p99 = 0, p99_must = 0,
-           p99_bullet = 0; ///< the same ratios of the 99th percentiles of ticks; 0: no bound
+    /// These ratios for the 99th percentiles of ticks; 0: no bound.
+    double p99 = 0, p99_must = 0, p99_bullet = 0;
 };
 constexpr Bound bounds[] = {
     {"trees", 7.9, 1.5, 0.8, 0.34, 249},
@@ -39,7 +39,7 @@ constexpr Bound bounds[] = {
     {"casts-bodies", 2.8, 1.3, 1.0, 2.31, 10.91},
     {"overlaps-bodies", 1.4, 1.3, 1.0, 2.65, 4.17},
     {"large-pyramid", 1.2, 1.0, 0.83, 3.21, 136.9},
-    // Instructions do not bound the time of these scenes: their bounds of instructions are in scenes.cpp.
+    // The instruction bounds of these scenes are in scenes.cpp.
     {"S1", 1.26, 1.0, 0.83, 2.22, 0, 1.4, 1.2, 1.89},
     {"S4", 1.08, 1.0, 0.83, 1.62, 0, 1.7, 1.2, 1.28},
     {"S5", 1.11, 1.0, 0.83, 2.41, 0},

@@ -1,10 +1,10 @@
-// Rows of bodies that come and go, and of a world of many that never move.
+// Rows of bodies that are created and destroyed, and of a world of many static bodies.
 #include "bench/rows/rows.h"
 
 namespace lockstone::bench::rows {
 namespace {
 
-/// Half of all bodies are replaced before a tick, by turns; that is part of its time.
+/// Before each tick one half of all bodies is replaced, the other half before the next; the measured time includes it.
 BenchScene churn(Size size) {
     const int count = size == Size::full ? 2000 : 40;
     BenchScene made = begin_row("churn", "1,000 of 2,000 bodies replaced in each tick", 120, 10);
@@ -51,7 +51,7 @@ BenchScene one_more(Size size) {
     return made;
 }
 
-/// Bodies are created in a world that has a floor only; no tick follows.
+/// Creates bodies in a world that holds only a floor; no tick follows.
 BenchScene creation(Size size) {
     const int count = size == Size::full ? 10000 : 100;
     BenchScene made = begin_row("creation", "10,000 bodies are created", 1, 0);
@@ -60,7 +60,7 @@ BenchScene creation(Size size) {
     for (int i = 0; i < count; ++i)
         bodies.push_back(solid(engines::mixed_shape(i), place_on_grid(i, count, 1.5, 2)));
     made.act = [bodies = std::move(bodies)](Engine& engine, int tick) {
-        if (tick != 0) return; // there is no more room
+        if (tick != 0) return; // the capacity is used up
         for (const Body& body : bodies) engine.add(body);
     };
     made.scene.room = count;

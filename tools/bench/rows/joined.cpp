@@ -1,4 +1,4 @@
-// Rows of joints with limits, springs and friction: the joints that games have.
+// Rows of joints with limits, springs and friction, as games use them.
 #include "bench/rows/rows.h"
 
 namespace lockstone::bench::rows {
@@ -9,7 +9,7 @@ void note_energy(BenchScene& made) {
     made.figure = [scene = made.scene](const Engine& engine) { return 1e-3 * energy(scene, engine); };
 }
 
-/// Humans in five layers, so that landings follow each other.
+/// Humans in five layers, so that they do not land all at once.
 BenchScene rain(Size size) {
     const int count = size == Size::full ? 60 : 5;
     BenchScene made = begin_row("ragdoll-rain", "60 humans of make_ragdoll fall from 1 to 13 m", 300, 120);
@@ -38,7 +38,7 @@ BenchScene humans(Size size) {
     return made;
 }
 
-/// Chains that hang from the world and begin level.
+/// Chains that hang from the world and start in a horizontal position.
 BenchScene chains(Size size) {
     constexpr int links = 12;
     const int count = size == Size::full ? 50 : 3;

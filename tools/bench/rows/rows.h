@@ -1,5 +1,5 @@
-// The rows of the table of speed: scenes and questions that S1 to S6 do not have, each with a bound that was written before it was tuned.
-// README.md beside the other scenes' says what is in each and how its bound is derived.
+// The rows of the speed table: scenes and queries that S1 to S6 do not cover. The bound of each row was fixed before
+// the engine was tuned for it. tools/bench/README.md describes each row and the derivation of its bound.
 #pragma once
 
 #include "bench/scenes.h"
@@ -11,10 +11,10 @@ namespace lockstone::bench::rows {
 
 /// All rows, in the order of the table.
 std::vector<Maker> makers();
-/// The scene with what it must cost, from the table of bounds.cpp; without an entry there: as it is.
+/// Adds the bounds from the table in bounds.cpp to a scene; returns a scene without an entry as it is.
 BenchScene bounded(BenchScene scene);
 
-// By files.
+// The rows of each file.
 std::span<const Maker> swept_rows();
 std::span<const Maker> joined_rows();
 std::span<const Maker> stacked_rows();
@@ -22,7 +22,7 @@ std::span<const Maker> played_rows();
 std::span<const Maker> created_rows();
 std::span<const Maker> asked_rows();
 
-// The engines' names hide those of lockstone.
+// These names of the adapters hide the equal names of the namespace lockstone.
 using engines::about;
 using engines::Body;
 using engines::box;
@@ -38,7 +38,7 @@ using engines::sphere;
 using engines::Turn;
 using engines::V3;
 
-/// A row with its name; it runs beside Bullet alone, and is judged after its timed ticks.
+/// A row with its name. It runs in Lockstone and Bullet only, and its quality is measured after the timed ticks.
 inline BenchScene begin_row(const char* name, std::string about, int ticks, int counted_from) {
     BenchScene made{.name = name, .about = std::move(about)};
     made.ticks = made.judged_after = ticks, made.counted_from = counted_from;
@@ -47,7 +47,7 @@ inline BenchScene begin_row(const char* name, std::string about, int ticks, int 
     return made;
 }
 
-/// The i-th place of a square grid of `count` places around the origin, at a height.
+/// The i-th place of a square grid of `count` places around the origin [m].
 inline V3 place_on_grid(int i, int count, double step, double height) {
     const int side = static_cast<int>(std::ceil(std::sqrt(count)));
     const double middle = 0.5 * (side - 1);

@@ -1,4 +1,4 @@
-// Rows that stand: one tower, and a pyramid six times as large as that of S1.
+// Rows of stacks: one tower, and a pyramid six times as large as that of S1.
 #include "bench/rows/rows.h"
 
 namespace lockstone::bench::rows {

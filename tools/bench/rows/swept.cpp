@@ -1,10 +1,11 @@
-// Rows in which sweeps cost most: large bodies of many parts, long ones, fast ones, a drum that turns.
+// Rows in which sweeps (continuous collision) cost most: large bodies of many parts, long bodies, fast bodies, a
+// turning drum.
 #include "bench/rows/rows.h"
 
 namespace lockstone::bench::rows {
 namespace {
 
-/// Adds a ring of quads between two levels of a tree of a mesh; a radius of 0 is a tip.
+/// Adds a ring of quads between two heights of a tree's mesh. A radius of 0 makes a tip.
 void add_ring(Shape& mesh, V3 foot, double low, double low_radius, double high, double high_radius) {
     constexpr int sides = 8;
     const int first = static_cast<int>(mesh.points.size());
@@ -32,7 +33,7 @@ Shape forest(int quads, double spacing, int trees) {
     return mesh;
 }
 
-/// A box as a hull in the axes of its body, as tools that cut a mesh into convex parts give it.
+/// A box as a hull whose points are in the axes of its body, as tools write it that cut a mesh into convex parts.
 Shape block(V3 center, V3 half) {
     Shape made{.kind = engines::Kind::hull};
     for (const double x : {-1.0, 1.0})
@@ -43,7 +44,7 @@ Shape block(V3 center, V3 half) {
     return made;
 }
 
-/// A trunk of three parts and eight branches: eleven hulls about one centre of mass, 6 m high.
+/// A trunk of three parts and eight branches: eleven hulls around one centre of mass, 6 m high.
 Body tree(V3 at) {
     Body made{.shape = block({}, {0.15, 1, 0.15}), .position = at};
     for (const double side : {-1.0, 1.0}) {
@@ -57,7 +58,7 @@ Body tree(V3 at) {
     return made;
 }
 
-/// Four layers; only the lowest one comes near the ground.
+/// Four layers of trees; only the lowest layer comes near the ground.
 BenchScene trees(Size size) {
     const bool full = size == Size::full;
     const int count = full ? 1000 : 25, layer = full ? 250 : 9;
@@ -89,7 +90,7 @@ BenchScene logs(Size) {
     return made;
 }
 
-/// Bullets that a script drives in a new direction every 40 ticks.
+/// Bullets (fast bodies with sweeps) to which the script gives a new direction every 40 ticks.
 BenchScene bullets(Size) {
     constexpr int count = 64;
     BenchScene made = begin_row(

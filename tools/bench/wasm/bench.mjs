@@ -1,4 +1,4 @@
-// What `run` starts: see README.md.
+// The program that `run` starts: see README.md.
 import { execFileSync } from "node:child_process";
 import { cpus, loadavg } from "node:os";
 import { parseArgs } from "node:util";
@@ -25,7 +25,7 @@ function expect(good, sentence) {
 
 const nativeHash = (number, ticks) => execFileSync(options.native, [`S${number}`, String(ticks)], { encoding: "utf8" }).trim();
 
-/// Same bits as the engine that was compiled for this machine?
+/// Compares the hash with that of the engine compiled for this machine.
 async function checkHash(bench, number) {
     const { ticks } = await bench.open(number), hash = await bench.hashAtEnd(number, options.plant), native = nativeHash(number, ticks);
     expect(hash === native, `S${number}: hash after ${ticks} ticks ${hash}, native ${native}`);
@@ -71,4 +71,4 @@ const settings = { date: new Date().toISOString().slice(0, 10), node: process.ve
 say(`${settings.cpu}, Node ${settings.node}, load ${settings.load.toFixed(1)}; this thread's time, of each tick the least of ${options.runs} runs`);
 const found = await (options.quick ? quick : full)(bench, numbers);
 if (options.json) console.log(JSON.stringify({ settings, ...found, problems }, null, 1));
-process.exit(problems.length === 0 ? 0 : 1); // Jolt's workers would keep it alive
+process.exit(problems.length === 0 ? 0 : 1);  // the workers of Jolt would keep the process alive

@@ -1,4 +1,5 @@
-// bench_hash NAME TICKS: the hash of a scene after so many ticks, which the module has to give too.
+// bench_hash NAME TICKS: prints the hash of a scene after that many ticks. The WebAssembly module must produce the same
+// hash.
 #include "bench/scenes.h"
 #include "engines/lockstone_engine.h"
 

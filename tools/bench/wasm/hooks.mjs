@@ -1,5 +1,6 @@
-// Lets Node load packages that are written for bundlers: imports without an ending, and of folders. Workers of Jolt's build with
-// SIMD never begin under Node: they read `workerData` of a promise in place of the module.
+// Lets Node load packages that are written for bundlers: imports of files without an extension, and of folders. Also
+// corrects Jolt's build with SIMD, whose workers never begin under Node because they read `workerData` of a promise,
+// not of the module.
 import { register } from "node:module";
 
 const broken = 'await import("node:worker_threads").workerData', mended = '(await import("node:worker_threads")).workerData';
@@ -10,7 +11,7 @@ export async function resolve(specifier, context, next) {
         try {
             return await next(specifier + ending, context);
         } catch {
-            // the next one
+            // tries the next ending
         }
     return next(`${specifier}/index.js`, context);
 }

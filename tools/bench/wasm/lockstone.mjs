@@ -1,11 +1,12 @@
-// The module that make.py builds: scenes, Lockstone's run of them, the quality of anybody's poses. See module.cpp.
+// The module that make.py builds: scenes, Lockstone's run of them, the quality of the poses of any engine. See
+// module.cpp.
 import { readFile } from "node:fs/promises";
 import { WASI } from "node:wasi";
 
 export const numbersOfPose = 7; // position, rotation
 const kinds = ["sphere", "box", "capsule", "cylinder", "hull", "plane"];
 
-/// One scene.
+/// A scene.
 export class Stage {
     static async open(module, number) {
         const wasi = new WASI({ version: "preview1", returnOnExit: true });
@@ -32,7 +33,7 @@ export class Stage {
         return { kind: kinds[kind], half: [hx, hy, hz], position: [px, py, pz], rotation: [qx, qy, qz, qw], mass, friction };
     }
 
-    /// What the scene's script does before a tick: [body, x, y, z] each, a change of velocity [m/s].
+    /// The actions of the scene's script before a tick: [body, x, y, z] each, a change of velocity [m/s].
     kicks(tick) {
         const address = this.call.kicks(tick);
         const [count] = this.numbers(address, 1);
@@ -40,7 +41,7 @@ export class Stage {
         return Array.from({ length: count }, (_, i) => [...flat.subarray(1 + 4 * i, 5 + 4 * i)]);
     }
 
-    /// Of the poses of all bodies, seven numbers each.
+    /// The quality of the poses of all bodies, seven numbers for each body.
     judge(poses) {
         const room = this.call.room_for_poses();
         this.numbers(room, poses.length).set(poses);
@@ -49,7 +50,7 @@ export class Stage {
     }
 }
 
-/// Lockstone in a scene; what every engine here offers: `step`, `kick`, `poses`, and where it can, `save` and `restore` by slot.
+/// Lockstone in a scene. Every engine has `step`, `kick` and `poses`; some also have `save` and `restore` by slot.
 class Lockstone {
     constructor(stage) {
         this.stage = stage;

@@ -13,7 +13,7 @@ sys.path.insert(0, str(ROOT / "tests/matrix"))
 import cells as matrix  # noqa: E402
 from build import WITHOUT_THREADS, Builder, BuildFailed  # noqa: E402
 
-# What a game would ship: vectors, instructions that fill and copy memory, all files optimised as one, nothing thrown.
+# The flags of a game's release: vectors, bulk memory instructions, link-time optimisation, no exceptions.
 FLAGS = (*matrix.WASM_FLAGS, "-O3", "-flto", "-msimd128", "-mbulk-memory", "-fno-exceptions", "-mexec-model=reactor")
 TOOLS = ("tools/engines/scene.cpp", "tools/engines/pieces.cpp", "tools/engines/human.cpp", "tools/engines/lockstone_engine.cpp", "tools/bench/scenes.cpp",
          "tools/bench/quality.cpp", *(f"tools/bench/rows/{name}.cpp" for name in ("rows", "bounds", "swept", "joined", "stacked", "played", "created", "asked")),

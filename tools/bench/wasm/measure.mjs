@@ -1,8 +1,8 @@
-// Scenes in several engines by turns, and what of it is kept. Ticks are timed by the clock of this thread: whatever else the machine
-// does is not in them.
+// Runs scenes in several engines in turns and keeps their results. The clock of this thread times the ticks, so other
+// work of the machine does not count.
 import { Stage } from "./lockstone.mjs";
 
-const block = 5; // ticks that an engine does before it is the next one's turn
+const block = 5;  // ticks that an engine runs before the next engine's turn
 const rollbackDepth = 8, rollbackRepeats = 15;
 const slots = { start: 0, ring: 1 };
 
@@ -14,7 +14,7 @@ export function percentile(values, fraction) {
 }
 
 export class Bench {
-    /// `engines`: Lockstone first. `seconds`: none, or a clock [us] in place of the thread's.
+    /// `engines`: Lockstone first. `seconds`: undefined, or a clock [us] that replaces the thread's.
     constructor(module, engines) {
         Object.assign(this, { module, engines });
     }
@@ -37,7 +37,7 @@ export class Bench {
         }
     }
 
-    /// Every engine through `ticks` of a scene, and on to `judgedAfter` where that is more.
+    /// Runs every engine through `ticks` of a scene, and then up to `judgedAfter` if that is more.
     async once(stage, lanes, ticks, judgedAfter) {
         for (const lane of lanes) lane.runner = await lane.engine.make(stage);
         for (let tick = 0; tick < ticks; tick += block)
@@ -50,7 +50,7 @@ export class Bench {
         }
     }
 
-    /// Of each tick the least of all runs counts, since every engine does the same work in each.
+    /// The least time of each tick over all runs counts, since every engine does the same work in each run.
     async contest(number, runs) {
         const stage = await this.open(number), { ticks } = stage;
         const lanes = this.engines.map((engine) => ({ engine, us: new Float64Array(ticks).fill(Infinity) }));
@@ -61,9 +61,9 @@ export class Bench {
         return { scene: stage.name, bodies: stage.bodies.length, ticks, judged_after: stage.judgedAfter, stands: stage.stands, runs, hash: lanes[0].hash, engines: rows };
     }
 
-    /// Eight ticks, and then the same once more as a rollback: restored, and saved after each tick.
+    /// Eight ticks, then the same ticks as a rollback: restores the start, and saves after each tick.
     rollBack(stage, runner, from) {
-        for (let k = 0; k < rollbackDepth; ++k) stage.kicks(from + k); // known ahead
+        for (let k = 0; k < rollbackDepth; ++k) stage.kicks(from + k);  // computed in advance
         const ticks = (after) => {
             for (let k = 0; k < rollbackDepth; ++k) runner.kickAll(from + k), runner.step(), after(k);
         };
@@ -71,7 +71,7 @@ export class Bench {
         const plain = this.time(stage, () => ticks(() => {}));
         const poses = runner.poses();
         const restore = this.time(stage, () => runner.restore(slots.start));
-        runner.step(), ticks(() => {}); // so that there is something to restore
+        runner.step(), ticks(() => {});  // makes a state to restore
         const rollback = this.time(stage, () => {
             runner.restore(slots.start);
             ticks((k) => runner.save(slots.ring + k));
@@ -95,7 +95,7 @@ export class Bench {
         });
     }
 
-    /// Lockstone's hash at the end of a scene; planted: one body begins 2^-16 m/s faster.
+    /// Lockstone's hash at the end of a scene. `planted`: one body begins 2^-16 m/s faster.
     async hashAtEnd(number, planted = false) {
         const stage = await this.open(number), { call } = stage;
         if (planted) call.plant(stage.bodies.length - 1);
@@ -103,7 +103,7 @@ export class Bench {
         return BigInt.asUintN(64, call.hash()).toString(16).padStart(16, "0");
     }
 
-    /// A sentence about what is wrong with an engine's first ticks in a scene; nothing: it moves and loses nobody.
+    /// A sentence about a fault in an engine's first ticks in a scene; undefined if bodies move and none is lost.
     async complaint(engine, number, ticks) {
         const stage = await this.open(number), runner = await engine.make(stage), before = runner.poses();
         for (let tick = 0; tick < ticks; ++tick) runner.kickAll(tick), runner.step();
@@ -112,6 +112,6 @@ export class Bench {
         const moved = after.reduce((most, x, i) => Math.max(most, Math.abs(x - before[i])), 0);
         if (!after.every(Number.isFinite)) return "a pose is no number";
         if (lost > 0) return `lost ${lost} bodies`;
-        return moved < 1e-5 ? "nothing moves" : undefined; // m
+        return moved < 1e-5 ? "nothing moves" : undefined;  // [m]
     }
 }

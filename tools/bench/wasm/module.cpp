@@ -1,5 +1,6 @@
-// The scenes of `lockstone bench` for a host in JavaScript: what is in a scene, Lockstone's run of it, and the quality of anybody's poses.
-// One instance of the module holds one scene. Numbers are handed over in arrays of doubles that stay valid until the next call.
+// The scenes of `lockstone bench` for a host in JavaScript. The module returns the content of a scene, runs it in
+// Lockstone, and measures the quality of the poses of any engine. One instance of the module holds one scene. Numbers
+// are passed in arrays of doubles, which stay valid until the next call.
 #include "bench/clock.h"
 #include "bench/quality.h"
 #include "bench/scenes.h"
@@ -13,11 +14,12 @@ using namespace lockstone;
 using namespace lockstone::bench;
 using namespace engines;
 
-/// Whoever is asked for a pose or kicked by a script when Lockstone is not meant.
+/// A stand-in for an engine of the host. It returns the poses that the host has written and collects the kicks of the
+/// script.
 class Stranger final : public Engine {
   public:
     std::vector<engines::State> states = {};
-    std::vector<double> kicks = {}; ///< body, x, y, z
+    std::vector<double> kicks = {}; ///< four numbers each: body, x, y, z [m/s]
     engines::State state(int body) const override { return states[static_cast<std::size_t>(body)]; }
     void kick(int body, V3 change) override {
         kicks.insert(kicks.end(), {static_cast<double>(body), change.x, change.y, change.z});
@@ -56,20 +58,21 @@ const double* answer_with(std::vector<double> numbers) {
 
 #define LOCKSTONE_EXPORT(name) extern "C" [[gnu::used, clang::export_name(#name)]]
 
-/// Scene "S<number>". Returns how many bodies there are.
+/// Opens scene "S<number>". Returns the number of bodies.
 LOCKSTONE_EXPORT(open) int open_scene(int number) {
     stage.open("S" + std::to_string(number));
     return static_cast<int>(stage.scene.scene.bodies.size());
 }
 
-/// Ticks that are timed, ticks after which quality is judged, the tick from which rollbacks are timed, whether it has to stand.
+/// [4]: the number of timed ticks, the tick after which quality is measured, the tick from which rollbacks are timed,
+/// and 1 if sway is measured.
 LOCKSTONE_EXPORT(facts) const double* facts() {
     const BenchScene& s = stage.scene;
     return answer_with({static_cast<double>(s.ticks), static_cast<double>(s.judged_after),
                         static_cast<double>(s.counted_from), s.stands ? 1.0 : 0.0});
 }
 
-/// Of a body: engines::Kind, three half extents, position, rotation, mass [kg], friction. Nothing moves at first.
+/// A body: engines::Kind, three half extents, position, rotation, mass [kg], friction. Every body starts at rest.
 LOCKSTONE_EXPORT(body) const double* body(int index) {
     const Body& b = stage.scene.scene.bodies[static_cast<std::size_t>(index)];
     const V3 h = b.shape.half, p = b.position;
@@ -78,7 +81,7 @@ LOCKSTONE_EXPORT(body) const double* body(int index) {
                         b.mass, b.friction});
 }
 
-/// What the script does before a tick: how many changes of velocity there are; then body, x, y, z [m/s] of each.
+/// The kicks of the script before a tick: their number, then body, x, y, z [m/s] of each.
 LOCKSTONE_EXPORT(kicks) const double* kicks(int tick) {
     stage.stranger.kicks = {0};
     if (stage.scene.script) stage.scene.script(stage.stranger, tick);
@@ -86,7 +89,7 @@ LOCKSTONE_EXPORT(kicks) const double* kicks(int tick) {
     return answer_with(stage.stranger.kicks);
 }
 
-/// What the host's thread has spent [us]: Node has no clock of its own for this.
+/// The processor time of the host's thread [us]. Node has no clock for it.
 LOCKSTONE_EXPORT(thread_us) double thread_us_now() { return microseconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
 LOCKSTONE_EXPORT(script) void script(int tick) { stage.script(tick); }
@@ -104,16 +107,16 @@ LOCKSTONE_EXPORT(image_bytes) std::size_t image_bytes(int slot) {
 LOCKSTONE_EXPORT(set_simd) int set_simd(int level) {
     return stage.world().set_simd(static_cast<Simd>(level)) ? 1 : 0;
 }
-/// Adds 2^-16 m/s to a body's velocity: hashes have to differ from then on.
+/// Fault on purpose: adds 2^-16 m/s to a body's velocity, so that hashes must differ from then on.
 LOCKSTONE_EXPORT(plant) void plant(int body) { stage.engine->kick(body, {0, 0x1p-16, 0}); }
 
-/// Room for the poses of all bodies: position, rotation.
+/// An array for the poses of all bodies, which the host fills: position, rotation.
 LOCKSTONE_EXPORT(room_for_poses) double* room_for_poses() {
     stage.answer.assign(numbers_of_pose * stage.scene.scene.bodies.size(), 0);
     return stage.answer.data();
 }
 
-/// Lockstone's own poses.
+/// Lockstone's own poses: position, rotation of each body.
 LOCKSTONE_EXPORT(poses) const double* poses() {
     std::vector<double> numbers;
     for (std::size_t i = 0; i < stage.scene.scene.bodies.size(); ++i) {
@@ -124,7 +127,8 @@ LOCKSTONE_EXPORT(poses) const double* poses() {
     return answer_with(std::move(numbers));
 }
 
-/// Of the poses in the room: overlap, overlap with what is static, sway [mm], fallen, lost.
+/// The quality of the poses in the array of room_for_poses: overlap, overlap with static bodies, sway [mm], fallen,
+/// lost.
 LOCKSTONE_EXPORT(judge) const double* judge() {
     stage.stranger.states.clear();
     for (std::size_t i = 0; i < stage.answer.size(); i += numbers_of_pose) {

@@ -1,4 +1,4 @@
-// The engines beside Lockstone, each in a scene of `Stage`: one class an engine, as they come, nothing damped, nobody asleep.
+// The other engines, each in a scene of `Stage`: one class per engine, with default settings, no damping, no sleeping.
 import { readFile } from "node:fs/promises";
 
 import RAPIER_DETERMINISTIC from "@dimforge/rapier3d-deterministic-compat";
@@ -13,7 +13,7 @@ const density = 1000; // kg/m^3
 const gravity = -9.81; // m/s^2
 const stepTime = 1 / 60; // s
 
-/// A plane is a box for the others: 200 x 1 x 200 m, its surface where the plane's is.
+/// A plane is a box in the other engines: 200 x 1 x 200 m, with its surface at the plane.
 function solidOf(body) {
     if (body.kind !== "plane") return body;
     const [x, y, z] = body.position;
@@ -92,7 +92,7 @@ class Jolt extends Peer {
         this.bodies = stage.bodies.map((body) => this.add(solidOf(body)));
         this.system.OptimizeBroadPhase();
     }
-    settings() { // two layers: what moves, and what does not
+    settings() {  // two layers: moving bodies and static ones
         const { api } = this;
         const settings = new api.JoltSettings();
         settings.mMaxWorkerThreads = 0;
@@ -127,7 +127,8 @@ class Jolt extends Peer {
         this.jolt.Step(stepTime, 1);
     }
     pose(index) {
-        const p = this.bodies[index].GetPosition(), at = [p.GetX(), p.GetY(), p.GetZ()]; // both answers share their memory
+        // Copies: both calls return views of one memory.
+        const p = this.bodies[index].GetPosition(), at = [p.GetX(), p.GetY(), p.GetZ()];
         const q = this.bodies[index].GetRotation();
         return [...at, q.GetX(), q.GetY(), q.GetZ(), q.GetW()];
     }
@@ -199,7 +200,7 @@ class Havok extends Peer {
     }
 }
 
-/// Whoever runs a scene: a name, `make(stage)`, and whether its state can be saved.
+/// The list of engines: a name, `make(stage)`, and whether the state can be saved.
 export async function peers() {
     await RAPIER_DETERMINISTIC.init();
     const havok = await HavokPhysics({ wasmBinary: await readFile(new URL(import.meta.resolve("@babylonjs/havok/lib/esm/HavokPhysics.wasm"))) });

@@ -1,4 +1,4 @@
-// Tables and verdicts.
+// Tables and verdicts of the benchmark.
 const number = (x) => (x === undefined ? "" : x >= 1000 ? Math.round(x).toLocaleString("en") : x.toPrecision(3));
 
 function row(cells) {
@@ -22,7 +22,7 @@ export function printRollbacks(scene, rows) {
     for (const r of rows) console.log(row([r.engine, number(r.rollback_us), number(r.steps_us), number(r.save_us), number(r.restore_us), r.is_exact ? "yes" : "no"]));
 }
 
-/// What the engine's plan asks of WebAssembly with vectors.
+/// The bounds of the engine's plan for WebAssembly with vectors.
 export function verdicts(scenes, rollbacks) {
     const list = [];
     for (const scene of scenes.filter(({ scene }) => scene === "S1" || scene === "S2")) {

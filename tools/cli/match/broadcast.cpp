@@ -1,4 +1,4 @@
-// lockstone broadcast
+// The command `lockstone broadcast`.
 #include "cli/commands.h"
 #include "cli/interrupt.h"
 #include "cli/match/key_file.h"
@@ -44,7 +44,7 @@ void describe(CLI::App& command, Args& args) {
         .show_default();
 }
 
-/// The machines that show the match: peers 0, 1 and so on of one transport.
+/// The machines that show the match. This transport numbers them as peers 0, 1 and so on.
 class Hosts final : public Transport {
   public:
     Status add(const std::string& word, std::uint64_t now_ms) {
@@ -56,7 +56,7 @@ class Hosts final : public Transport {
         hosts.push_back({std::move(*meeting), {}, {}, 0});
         return {};
     }
-    /// Until it is true for all, each is met, and says what is played.
+    /// Polls the meetings and reads the match cards that arrive. Returns true once every host has sent its card.
     Result<bool> meet(std::uint64_t now_ms) {
         for (Host& host : hosts) {
             if (host.wire) continue;
@@ -67,14 +67,14 @@ class Hosts final : public Transport {
             host.wire = std::move(*opened), host.met_ms = now_ms;
         }
         poll(now_ms);
-        while (receive()) {} // what else comes comes again
+        while (receive()) {} // drops other packets: their senders repeat them
         for (const Host& host : hosts)
             if (host.wire && !host.card && now_ms - host.met_ms > card_patience_ms)
                 return Error{"the machine of the code " + host.meeting.invitation().code +
                              " does not say what is played"};
         return std::ranges::all_of(hosts, [](const Host& host) { return host.card.has_value(); });
     }
-    /// What all of them play.
+    /// The match that all hosts play; an error if two cards differ.
     Result<MatchCard> card() const {
         for (const Host& host : hosts)
             if (to_bytes(*host.card) != to_bytes(*hosts.front().card))
@@ -116,7 +116,7 @@ class Hosts final : public Transport {
         std::uint64_t met_ms;
     };
     std::vector<Host> hosts;
-    std::size_t next = 0; ///< whose packets are read
+    std::size_t next = 0; ///< index of the host whose packets are read next
 };
 
 Result<std::unique_ptr<SpectatorRelay>> relay_of(const MatchCard& card, const Hosts& hosts,
@@ -126,19 +126,20 @@ Result<std::unique_ptr<SpectatorRelay>> relay_of(const MatchCard& card, const Ho
     std::vector<PeerId> homes;
     for (PeerId p = 0; p < (*game)->player_count(); ++p) homes.push_back(p % card.machines);
     SpectatorRelayDef def{.hosts = hosts.peers(), .watchers_max = watchers};
-    // Every tick is kept, so everybody watches from the start and nobody needs a state.
+    // The relay keeps every tick, so each watcher starts at tick 0 and needs no state.
     def.log_ticks_max = std::max(log_ticks_least, static_cast<std::uint32_t>(card.ticks));
     def.state_polls = 0;
     return make_spectator_relay(session_def(**game, 0, homes), def, up, down);
 }
 
-/// A turn each sixtieth of a second.
+/// Limits a loop to 60 turns a second.
 class Pace {
   public:
     void wait() {
         next += std::chrono::microseconds(1'000'000 / 60);
         next = std::max(next,
-                        std::chrono::steady_clock::now() - std::chrono::seconds(1)); // too late to catch up
+                        std::chrono::steady_clock::now() -
+                            std::chrono::seconds(1)); // catches up at most one second
         std::this_thread::sleep_until(next);
     }
 
@@ -158,13 +159,14 @@ void say_how_to_watch(const Args& args, const NetKey& secret, UdpWatchDoor& door
     std::fflush(stdout);
 }
 
-/// Until the match is over and nobody watches any more.
+/// Runs the relay until the match is over and no watcher has been connected for open_after_end_ms, until no new tick
+/// has come for silence_max_ms, or until --seconds have passed.
 Exit serve(const Args& args, const MatchCard& card, Hosts& hosts, UdpWatchDoor& door, SpectatorRelay& relay,
            const Interrupt& interrupt, std::uint64_t begun_ms) {
     Pace pace;
     std::uint64_t polls = 0, told_ms = unix_ms(), watched_ms = told_ms, told = 0;
     std::uint32_t watchers_ever = 0;
-    std::uint64_t host_changes = 0; // while there was something to tell
+    std::uint64_t host_changes = 0; // counted up to the last new tick
     const auto is_over = [&](std::uint64_t now_ms) {
         if (args.seconds != 0 && now_ms - begun_ms > std::uint64_t{args.seconds} * 1000) return true;
         return told >= card.ticks ? now_ms - watched_ms > open_after_end_ms
@@ -212,7 +214,7 @@ Result<Exit> broadcast(const Args& args) {
     if (interrupt.came()) return Exit::good;
     const Result<MatchCard> card = hosts.card();
     if (!card) return card.error();
-    // A place is free again when its watcher has said nothing for so long.
+    // A watcher's place becomes free when the watcher has sent no packet for this time.
     constexpr std::uint32_t idle_ms = 10'000;
     Result<UdpWatchDoor> door = UdpWatchDoor::open(
         {.expires_ms = begun_ms + door_open_ms, .watchers_max = args.watchers, .idle_ms = idle_ms}, *local,

@@ -1,4 +1,4 @@
-// The time of a match's programs.
+// The clock of the programs that play a match.
 #pragma once
 
 #include <chrono>
@@ -6,8 +6,8 @@
 
 namespace lockstone::cli {
 
-/// [ms] since 1970, as the machine's clock said when the process first asked. It goes on evenly from there: where the clock is set anew in
-/// the middle of a match, a jump of some seconds would look like the silence of everybody.
+/// Milliseconds since 1970. The first call reads the system clock; later calls add the time of the steady clock. If the
+/// system clock is set during a match, the jump would otherwise look as if all peers had been silent.
 inline std::uint64_t unix_ms() {
     using namespace std::chrono;
     static const auto begun = steady_clock::now();

@@ -1,4 +1,4 @@
-// What a session may tell of events.
+// Checks the order of the event notices that a session sends.
 #pragma once
 
 #include "lockstone/session.h"
@@ -10,7 +10,8 @@
 
 namespace lockstone::cli {
 
-/// The law of session events: per id at most one `predicted`, then exactly one end; ends only after that.
+/// The rule for session events: each id has at most one `predicted`, then exactly one end (confirmed or cancelled). A
+/// cancelled event was predicted before.
 class EventLaw {
   public:
     void see(const SessionEvent& e) {
@@ -24,7 +25,7 @@ class EventLaw {
         life.tick = e.event.tick;
         ++counts[static_cast<std::size_t>(e.status)];
     }
-    /// Every event of a tick below `confirmed_end` has had its end.
+    /// True if no notice broke the rule and every event of a tick below `confirmed_end` has ended.
     bool holds(std::uint64_t confirmed_end) const {
         if (broken) return false;
         for (const auto& [id, life] : lives) {

@@ -21,7 +21,7 @@ Result<NetKey> key_in(const std::string& file) {
 Result<NetKey> key_of(const std::string& file, bool is_new) {
     if (is_new) {
         if (std::filesystem::exists(file)) return Error{file + ": is there already"};
-        ::umask(077); // the secret is its owner's to read
+        ::umask(077); // only the owner may read the secret
         if (Status s = write_file(file, to_string(random_key()) + "\n"); !s) return s.error();
     }
     return key_in(file);

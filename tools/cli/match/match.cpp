@@ -1,4 +1,4 @@
-// lockstone match
+// The command `lockstone match`.
 #include "cli/match/match_chaos.h"
 #include "cli/progress.h"
 #include "cli/scene_choice.h"
@@ -72,12 +72,12 @@ Result<Seeds> parse_seeds(const std::string& text) {
     return Seeds{*first, *last};
 }
 
-/// One that was there from the start to the end, and so has all ticks.
+/// The first peer that confirmed the match from tick 0 and therefore has all ticks.
 auto there_throughout(const MatchOutcome& match) {
     return std::ranges::find(match.peers, std::uint64_t{0}, &PeerOutcome::first);
 }
 
-/// True if one of the two had dropped the other by that tick: each then continues in a match of its own.
+/// True if one of the two machines had dropped the other by that tick. Each then continues in a match of its own.
 bool have_parted(const MatchOutcome& match, PeerId a, PeerId b, std::uint64_t tick) {
     return std::ranges::any_of(match.departures, [&](const Departure& d) {
         return d.tick <= tick && ((d.told_by == a && d.gone == b) || (d.told_by == b && d.gone == a));
@@ -103,7 +103,7 @@ std::vector<std::string> differences(const MatchOutcome& match, PeerId self, Pee
     return found;
 }
 
-/// What the peers of a match disagree about, with sentences; nothing when all is well.
+/// The differences between the peers of a match, in sentences; empty if there are none.
 std::vector<std::string> disagreements(const MatchOutcome& match, const Game& game, std::uint64_t seed) {
     std::vector<std::string> found = match.broken;
     const auto first_there = there_throughout(match);
@@ -181,7 +181,7 @@ Chaos as_told(const Args& args, std::uint64_t seed) {
 
 struct Played {
     MatchOutcome match;
-    std::vector<std::string> found; ///< what is wrong, in sentences
+    std::vector<std::string> found; ///< failures, in sentences
 };
 Result<Played> play(const Args& args, const Chaos& chaos,
                     const std::function<void(std::uint64_t)>& progress) {
@@ -200,11 +200,13 @@ Result<Played> play(const Args& args, const Chaos& chaos,
 
 void set_plant(const Args& args, MatchDef& def) {
     def.planted = args.plant, def.recovers = args.recover;
-    // Peer 1 shows the match where peer 0 no longer can, so it may not be the one that comes back.
+    // With host_crashes or show_lost, peer 1 shows the match in place of peer 0. With --recover peer 1 may drop its
+    // state, so both are switched off.
     if (args.recover) def.show_lost = 0, def.host_crashes = false;
 }
 
-/// Leaves out what a match fails without, and ticks, as long as it still fails. Prints how to see it fail again.
+/// Removes kinds of trouble, and then halves the ticks, as long as the match still fails. Prints the command that
+/// repeats the smallest failing match.
 void shrink(const Args& args, std::uint64_t seed) {
     std::vector<std::string> without = args.without;
     std::uint64_t ticks = args.ticks;
@@ -230,7 +232,7 @@ void shrink(const Args& args, std::uint64_t seed) {
     std::printf("seed %llu still fails so: %s\n", static_cast<unsigned long long>(seed), command.c_str());
 }
 
-/// True when the peers agree.
+/// Returns true if the peers agree.
 Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks_before, Progress& progress) {
     Chaos chaos = args.chaos ? chaos_of(seed, args.ticks, args.without) : as_told(args, seed);
     set_plant(args, chaos.def);
@@ -242,7 +244,7 @@ Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks
         if (Status s = write_recordings(played->match, args.record_prefix, seed); !s) return s.error();
     progress.wipe();
     for (const std::string& sentence : found) std::printf("%s\n", sentence.c_str());
-    if (played && !found.empty()) // what went before it
+    if (played && !found.empty()) // the notes that came before the failure
         for (const std::string& note : played->match.notes) std::printf("  %s\n", note.c_str());
     if (found.empty()) print_summary(played->match, chaos.def, seed);
     if (args.chaos && !found.empty()) {
@@ -279,11 +281,12 @@ Result<Exit> match(const Args& args) {
                      scenes_with_players()};
     if (args.relayed && args.watchers == 0 && !args.chaos)
         return Error{"--relayed: nobody watches: give --watchers"};
-    if (!args.record_prefix.empty()) // of the first match; before it is played
+    if (!args.record_prefix.empty()) // checks the file of the first match before that match is played
         if (Status can = check_outputs({recording_name(args.record_prefix, seeds->first, 0)}); !can)
             return can.error();
     Exit exit = Exit::good;
-    const std::uint64_t others = seeds->last - seeds->first; // besides the first: their number always fits
+    const std::uint64_t others =
+        seeds->last - seeds->first; // seeds besides the first: this number cannot overflow
     Progress progress("matches", others >= UINT64_MAX / args.ticks ? 0 : (others + 1) * args.ticks);
     for (std::uint64_t n = 0;; ++n) {
         const Result<bool> agreed = play_seed(args, seeds->first + n, n * args.ticks, progress);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t players_max = 4;
 
-/// A link of one direction: most are fair, some are bad.
+/// A link of one direction: most links are good, one of four is bad.
 LinkDef draw_link(Random& random) {
     const bool is_bad = random.below(4) == 0;
     LinkDef link;
@@ -32,7 +32,8 @@ const std::vector<std::string>& chaos_kinds() {
     return kinds;
 }
 
-// Everything is drawn, then what is left out is taken back: the rest stays as it was.
+// All values are drawn first, and then the kinds in `without` are switched off. So switching one kind off does not
+// change the others.
 Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::string>& without) {
     Random random = Random::seeded(seed);
     constexpr std::uint32_t frame_ms = 17;
@@ -47,7 +48,8 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
         def.clock_permille.push_back(static_cast<std::int32_t>(random.below(41)) - 20);
     def.watchers = random.below(3) == 0 ? 1 + random.below(2) : 0;
     def.sleeps = random.below(2) == 0, def.cuts = random.below(2) == 0;
-    // Who comes in believes what more than one machine tells.
+    // A machine that joins accepts a state only if more than one other machine sends it, so a late or returning machine
+    // needs a match of at least three.
     const std::uint32_t early =
         random.below(static_cast<std::uint32_t>(std::min<std::uint64_t>(ticks, 4000) / 2 + 1));
     const bool one_is_late = random.below(3) == 0, one_comes_back = random.below(3) == 0;
@@ -56,11 +58,11 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
     def.rejoins = one_comes_back && chaos.players - def.late >= 3 ? 1 : 0;
     def.relayed = random.below(2) == 0 && def.watchers != 0;
     const bool is_lost = random.below(2) == 0;
-    // Peer 1 goes on showing it, so it stays.
+    // Peer 1 continues to show the match when peer 0 cannot, so no machine may crash in such a match.
     if (def.relayed && is_lost && def.rejoins == 0 && chaos.players - def.late >= 2)
         def.show_lost = 60 + early;
     def.run_ahead = random.below(3) == 0 ? 1 + random.below(run_ahead_limit) : 0;
-    // Drawn last: without it a seed is the match that it was before hosts went.
+    // Drawn last, so that seeds give the matches that they gave before this kind existed.
     def.host_crashes = random.below(2) == 0 && def.rejoins != 0;
     for (LinkDef& link : def.links) {
         if (is_out("damage")) link.damage_permille = 0;
@@ -70,7 +72,8 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
         if (is_out("loss")) link.loss_permille = 0;
         if (is_out("latency")) link.latency_ms = 0;
     }
-    // Lockstep wants the delay of its slowest link: a match of fewer than ten ticks a second throws out who is waited for.
+    // In lockstep the input delay has to cover the slowest link. Otherwise the match runs at fewer than ten ticks a
+    // second, and the sessions drop the machine that they wait for.
     std::uint32_t slowest_ms = 0;
     for (const LinkDef& link : def.links) slowest_ms = std::max(slowest_ms, link.latency_ms + link.jitter_ms);
     if (def.mode == MatchMode::lockstep) def.input_delay = slowest_ms / frame_ms + 2;

@@ -1,4 +1,4 @@
-// Everything that may go wrong in a match at once, drawn from its seed.
+// Every kind of trouble that a match may have, drawn from a seed.
 #pragma once
 
 #include "cli/match/match.h"
@@ -13,11 +13,12 @@ struct Chaos {
     MatchDef def;
 };
 
-/// What may be left out, by name: of a match that fails, whatever it fails without.
+/// The names of the kinds of trouble that chaos_of can leave out. `lockstone match` uses them to shrink a match that
+/// fails.
 const std::vector<std::string>& chaos_kinds();
-/// The same seed gives the same match, but for the kinds in `without`.
+/// Draws a match. Equal arguments give equal matches; a kind in `without` is switched off and the rest stays as it was.
 Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::string>& without);
-/// A few words on what goes wrong in it.
+/// A short description of the match and its trouble.
 std::string told(const Chaos& chaos);
 
 } // namespace lockstone::cli

@@ -15,7 +15,7 @@
 namespace lockstone::cli {
 namespace {
 
-/// A world that a session drives, and that may change by itself.
+/// A world that a session drives. It can flip a bit of its own state after a given tick (`planted_at`).
 class PlayedWorld final : public Simulation {
   public:
     PlayedWorld(World& driven, const Game& game) : world(driven), simulation(driven, game) {}
@@ -34,15 +34,16 @@ class PlayedWorld final : public Simulation {
         if (taken && on_adopt) on_adopt();
         return taken;
     }
-    /// Without what it does by itself: then the tick comes out differently here, and the report says so.
+    /// Runs the tick without the flipped bit. The result then differs from the tick as it was played, and the report
+    /// shows it.
     std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) override {
         return simulation.run_aside(before, inputs);
     }
     void record_phase_hashes(bool on) override { simulation.record_phase_hashes(on); }
     std::span<const PhaseHash> phase_hashes() const override { return simulation.phase_hashes(); }
 
-    std::optional<std::uint64_t> planted_at = {}; ///< a tick
-    std::function<void()> on_adopt = {};          ///< a state was taken from outside
+    std::optional<std::uint64_t> planted_at = {}; ///< the tick after which a bit flips; empty: never
+    std::function<void()> on_adopt = {};          ///< called after a state from outside was adopted
 
   private:
     void flip() {
@@ -56,10 +57,10 @@ class PlayedWorld final : public Simulation {
     WorldSimulation simulation;
 };
 
-/// In texts machines count from 1.
+/// Messages count machines from 1.
 std::string machine_name(PeerId id) { return "machine " + std::to_string(id + 1); }
 
-/// Everything of one machine. Not moved: its parts refer to each other.
+/// Everything that belongs to one machine. It must not be moved: its parts hold references to each other.
 struct Peer {
     Peer(World start, const Game& game) : world(std::move(start)), simulation(world, game) {}
 
@@ -67,13 +68,13 @@ struct Peer {
     PlayedWorld simulation;
     replay::MemorySink sink;
     std::unique_ptr<ConfirmedLog> log;
-    /// Peer 0's, where somebody watches; where that is through a relay or peer 0 crashes, peer 1's too
+    /// Set for peer 0 if the match has watchers; set for peer 1 too if they use a relay or if peer 0 crashes.
     std::unique_ptr<SpectatorHost> host;
     std::unique_ptr<Session> session;
     std::unique_ptr<SessionRunner> runner;
     EventLaw events;
-    std::uint32_t differs = 0; ///< bit p: peer p has told another hash
-    bool gave_way = false;     ///< it has begun anew with the others' state
+    std::uint32_t differs = 0; ///< bit p: peer p reported another hash
+    bool gave_way = false;     ///< it dropped its state and joined again
     std::uint32_t wait_frames = 0;
     std::uint64_t awake_at_ms = 0;
 };
@@ -104,7 +105,8 @@ SessionDef session_of(const Game& game, const MatchDef& def, PeerId self) {
     return session;
 }
 
-/// On the watchers' network peer 0, or the relay, is 0; peer 1 comes behind them.
+/// Peer ids on the watchers' network: 0 is peer 0 or the relay, 1 to `watchers` are the watchers, the next one is peer
+/// 1.
 PeerId second_host(const MatchDef& def) { return def.watchers + 1; }
 
 WatchDef watch_def(const MatchDef& def) {
@@ -165,7 +167,7 @@ Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, P
     return peer;
 }
 
-/// A machine that has nothing of the match.
+/// A machine that joins a running match and has no state of it yet.
 Result<std::unique_ptr<Peer>> make_joining_peer(const Game& game, const MatchDef& def, PeerId self,
                                                 std::uint32_t life, Transport& transport) {
     Result<World> world = game.start();
@@ -185,9 +187,10 @@ Result<std::unique_ptr<Peer>> make_joining_peer(const Game& game, const MatchDef
     return peer;
 }
 
-constexpr std::uint64_t frames_between = 900, frames_away = 120; ///< of machines that lose all and come back
+/// Between two crashes, and between a crash and the return of that machine.
+constexpr std::uint64_t frames_between = 900, frames_away = 120;
 
-/// Who comes late comes, and one machine after the other loses what it has, and comes back.
+/// Lets late machines join. Lets one machine after another lose its state and join again.
 Status come_and_go(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def,
                    std::uint64_t frame, SimulatedNetwork& network) {
     const auto join = [&](PeerId id, std::uint32_t life) -> Status {
@@ -210,7 +213,7 @@ Status come_and_go(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, 
     return {};
 }
 
-/// One frame of one machine: the player's input, the session, its notices.
+/// Runs one frame of one machine: adds the player's input, polls the session, handles its notices.
 void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, std::uint64_t now_ms,
                MatchOutcome& out) {
     if (peer.wait_frames > 0) {
@@ -245,23 +248,24 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
     }
 }
 
-/// Who comes late, or back, has no say before it plays; who gives way keeps its own.
+/// Machines that are compared. A machine that joins counts once it has confirmed a tick; a machine that recovers counts
+/// at once.
 std::uint32_t count_voters(const std::vector<std::unique_ptr<Peer>>& peers) {
     return static_cast<std::uint32_t>(std::ranges::count_if(peers, [](const auto& peer) {
         return peer != nullptr && (!peer->log->hashes.empty() || peer->gave_way);
     }));
 }
 
-/// Whether a machine is the one to give way: more than half of the others differ from it, or it is the second of two.
+/// True if a machine has to drop its state: it differs from more than half of the others, or it is the second of two.
 bool is_outvoted(std::uint32_t differs, PeerId self, std::uint32_t machines) {
     if (machines == 2) return differs != 0 && self != 0;
     return 2 * static_cast<std::uint32_t>(std::popcount(differs)) > machines - 1;
 }
 
-/// Recovery: who is outvoted forgets what it has, and comes back with the state of the others.
+/// Recovery: a machine that differs from the majority drops its state and joins again with the state of the others.
 Status recover(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def,
                SimulatedNetwork& network, MatchOutcome& out) {
-    constexpr std::uint32_t lives_before = 1000; // of those that crash
+    constexpr std::uint32_t lives_before = 1000; // more than the lives that crashes use
     const std::uint32_t voters = count_voters(peers);
     for (PeerId id = 0; id < peers.size(); ++id) {
         if (peers[id] == nullptr || !is_outvoted(peers[id]->differs, id, voters)) continue;
@@ -274,7 +278,7 @@ Status recover(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, cons
     return {};
 }
 
-/// By all of them, those who watch included.
+/// The ticks that all peers and all watchers have confirmed.
 std::uint64_t ticks_confirmed(const std::vector<std::unique_ptr<Peer>>& peers,
                               const std::vector<std::unique_ptr<Watcher>>& watchers) {
     std::uint64_t least = ~std::uint64_t{0};
@@ -289,23 +293,24 @@ LinkDef link_of(const MatchDef& def, PeerId from, PeerId to, std::uint32_t machi
     return def.links.empty() ? def.link : def.links[std::size_t{from} * machines + to];
 }
 
-/// How many frames a machine has begun by a frame of the true clock.
+/// The number of frames that a machine has begun by its own clock, at a frame of the true clock.
 std::uint64_t frames_by_own_clock(const MatchDef& def, PeerId id, std::uint64_t frame) {
     const std::int32_t faster = def.clock_permille.empty() ? 0 : def.clock_permille[id];
     return (frame + 1) * static_cast<std::uint64_t>(1000 + faster) / 1000;
 }
 
-/// How far a session may go back. Who leaves here comes in again. Of a machine that comes in the first 30 inputs are known before it has any
-/// of the others', so nobody waits for these: if the next one leaves, its inputs end where that one came in. Then only the stall holds the others,
-/// 2 prediction_max + 8 ticks beyond what is fixed.
+/// How many ticks a session may roll back. Without machines that come back this is prediction_max. A machine that comes
+/// back has announced its first 30 inputs before it receives inputs of the others, so these inputs do not stall the
+/// others. If the next machine leaves meanwhile, its inputs end at the tick at which the first one joined. Then only
+/// the stall limits the rollback: to twice prediction_max and 8 ticks beyond the last confirmed tick.
 std::uint64_t depth_limit(const Game& game, const MatchDef& def) {
     constexpr std::uint64_t polls_between = 8; // of the stall
     const std::uint64_t guesses = session_of(game, def, 0).prediction_max;
     return def.rejoins == 0 && !def.recovers ? guesses : 2 * guesses + polls_between;
 }
 
-/// Now and then a machine falls asleep, or one loses another. One at a time, with two quiet seconds between: what comes together adds up
-/// to more than the patience of a session, and then somebody has to leave.
+/// Now and then pauses a machine or cuts a link. Two troubles are at least two seconds apart: several at once would
+/// last longer than a session waits, and the session would then drop a machine.
 class Trouble {
   public:
     Trouble(const MatchDef& of, std::uint32_t machines_in_all)
@@ -326,7 +331,7 @@ class Trouble {
     }
 
   private:
-    /// From `who` to the next one.
+    /// Cuts or restores the link from `who` to the next machine.
     void cut(SimulatedNetwork& network, bool off) {
         const PeerId other = (who + 1) % machines;
         LinkDef link = link_of(def, who, other, machines);
@@ -338,16 +343,17 @@ class Trouble {
     const MatchDef& def;
     std::uint32_t machines;
     Random random;
-    std::uint64_t over_at_ms = 0; ///< the last trouble
+    std::uint64_t over_at_ms = 0; ///< end of the last trouble
     PeerId who = 0;
     bool is_cut = false;
 };
 
-/// Where the match is watched: from peer 0 itself, and peer 1 where that one goes, or through a relay that asks peers 0 and 1.
+/// The way from the match to its watchers: peer 0 directly (and peer 1 if peer 0 crashes), or a relay that fetches the
+/// match from peers 0 and 1.
 struct Show {
-    PeerId second; ///< peer 1, to those who watch without a relay; 0 where it does not show the match
+    PeerId second; ///< id of peer 1 among watchers without a relay; 0 if it does not show the match
     SimulatedNetwork to_hosts, to_watchers;
-    std::unique_ptr<SpectatorRelay> relay; ///< null: none
+    std::unique_ptr<SpectatorRelay> relay; ///< null: no relay
     static constexpr PeerId relay_up = 2;
 
     explicit Show(const MatchDef& def)
@@ -376,7 +382,7 @@ struct Show {
     }
 };
 
-/// Watchers join one after the other, and tell what they are told.
+/// Adds one watcher after each pause and reports every desync that the watchers find.
 Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game& game, const MatchDef& def,
                     std::uint64_t frame, SimulatedNetwork& network, MatchOutcome& out) {
     constexpr std::uint64_t frames_apart = 150;
@@ -397,12 +403,12 @@ Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game&
     return {};
 }
 
-/// Nothing where it came when the others were through.
+/// Empty if the peer confirmed no tick because it joined when the others had finished.
 std::vector<std::byte> recording_of(Peer& peer) {
     return peer.log->hashes.empty() ? std::vector<std::byte>{} : std::move(peer.sink.bytes);
 }
 
-/// Why a match had no end, as far as can be told.
+/// A message that says how far each machine came in a match that did not end.
 std::string not_through(const std::vector<std::unique_ptr<Peer>>& peers, const MatchOutcome& out,
                         const MatchDef& def, std::uint64_t frames) {
     std::string told = "seed " + std::to_string(def.seed) + ": the match is still not through after " +
@@ -420,7 +426,7 @@ std::string not_through(const std::vector<std::unique_ptr<Peer>>& peers, const M
 } // namespace
 
 void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
-    if (tick >= ticks_max && hashes.empty()) first = ticks_max; // it came when the others were through
+    if (tick >= ticks_max && hashes.empty()) first = ticks_max; // it joined when the others had finished
     if (tick >= ticks_max || !state) return;
     if (recorder) state = recorder->on_tick(tick, inputs, hash);
     if (hashes.empty()) first = tick;
@@ -453,7 +459,7 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
         for (PeerId from = 0; from < game.player_count(); ++from)
             for (PeerId to = 0; to < game.player_count(); ++to)
                 network.set_link(from, to, link_of(def, from, to, game.player_count()));
-    std::vector<std::uint64_t> frames(game.player_count()); // by machine, of its own clock
+    std::vector<std::uint64_t> frames(game.player_count()); // of each machine's own clock
     std::vector<std::unique_ptr<Watcher>> watchers;
     std::vector<std::unique_ptr<Peer>> peers;
     if (def.late >= game.player_count()) return Error{"match: nobody is there from the start (--late)"};

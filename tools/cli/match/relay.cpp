@@ -1,4 +1,4 @@
-// lockstone relay
+// The command `lockstone relay`.
 #include "cli/commands.h"
 #include "cli/interrupt.h"
 #include "cli/match/key_file.h"
@@ -32,7 +32,7 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--seconds", args.seconds, "end after so long; 0: at a signal").show_default();
 }
 
-/// The second relay, if one is named, into `def`.
+/// Stores the second relay in `def`, if the arguments name one.
 Status name_second(const Args& args, RelayDef& def) {
     if (args.second.empty() != args.second_key_file.empty())
         return Error{"--second and --second-key go together"};

@@ -1,4 +1,4 @@
-// One turn of a relay's loop, for the command `relay` and for a demo that hosts a match.
+// One turn of a relay's loop. The command `relay` and a demo that hosts a match use it.
 #pragma once
 
 #include "cli/match/clock.h"
@@ -6,7 +6,7 @@
 
 namespace lockstone::cli {
 
-/// Waits for datagrams, at most so long, and forwards or answers some of them.
+/// Waits up to `wait_ms` for datagrams, then forwards or answers at most 256 of them.
 inline void serve_relay(Relay& relay, UdpSocket& socket, std::uint32_t wait_ms) {
     socket.wait(wait_ms);
     const std::uint64_t now_ms = unix_ms();

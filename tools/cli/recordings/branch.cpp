@@ -1,4 +1,4 @@
-// lockstone branch
+// The command `lockstone branch`.
 #include "replay/branch.h"
 #include "cli/input_source.h"
 #include "cli/interrupt.h"
@@ -33,7 +33,8 @@ std::uint64_t ticks_after(const Args& args, const replay::Recording& recording) 
     return args.input.empty() ? 0 : recording.end_tick() - args.at;
 }
 
-/// The inputs of the players from there on; empty without players. Errors come before the first write to the output.
+/// The inputs of the players after the branch; empty without players. Reports errors before the first write to the
+/// output.
 Result<std::optional<InputSource>> inputs_of(const Args& args, const Loaded& loaded) {
     if (loaded.game == nullptr) {
         if (args.input.empty()) return std::optional<InputSource>();
@@ -45,7 +46,7 @@ Result<std::optional<InputSource>> inputs_of(const Args& args, const Loaded& loa
     return std::optional<InputSource>(std::move(*source));
 }
 
-/// A file that is created when the first bytes come: what stood there before is kept where there are none.
+/// A file that is created when the first bytes arrive. If no bytes arrive, a file of that name stays as it was.
 class LateSink final : public replay::Sink {
   public:
     explicit LateSink(std::string where) : path(std::move(where)) {}

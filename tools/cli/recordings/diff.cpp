@@ -1,4 +1,4 @@
-// lockstone diff
+// The command `lockstone diff`.
 #include "replay/diff.h"
 #include "cli/recordings/recording_choice.h"
 #include "cli/text.h"

@@ -1,4 +1,4 @@
-// lockstone format: prints the tables of replay/FORMAT.md.
+// The command `lockstone format`: prints the tables of replay/FORMAT.md.
 #include "cli/commands.h"
 #include "cli/recordings/format_tables.h"
 

@@ -12,7 +12,7 @@ namespace {
 
 // ---- types ---------------------------------------------------------------------------------------------------
 
-/// The names of structs with a table of their own. A new struct does not compile until it has a name here.
+/// The names of the structs that have a table of their own. A new struct does not compile until it has a name here.
 template <class T> constexpr const char* struct_name = nullptr;
 template <> constexpr const char* struct_name<BodyDef> = "BodyDef";
 template <> constexpr const char* struct_name<ShapeDef> = "ShapeDef";
@@ -111,7 +111,7 @@ template <class R> std::string text_of(const First<R>& r) {
 
 // ---- tables --------------------------------------------------------------------------------------------------
 
-/// Fields that follow one another and are alike.
+/// One line of a table: consecutive fields with equal type and range.
 struct Row {
     std::string names, type, range;
 };
@@ -143,11 +143,11 @@ template <class T> std::string table_of() {
     return text;
 }
 
-/// The tables of all structs that are named, each behind the first that holds it.
+/// The tables of all named structs. Each table follows the first table that uses its struct.
 struct Definitions {
     std::string text;
     std::vector<std::string> seen;
-    std::vector<NamedLeaves> leaves; ///< of the structs that the state may hold
+    std::vector<NamedLeaves> leaves; ///< of the structs that the state may contain
 
     template <class F, class R = OwnRanges> void operator()(const char*, F& value, const R& = {}) {
         if constexpr (is_std_array<F>) {
@@ -184,7 +184,7 @@ template <std::size_t... I> Definitions definitions(std::index_sequence<I...>) {
     return all;
 }
 
-/// The state of a world without columns of a game.
+/// The tables of the state of a world without game columns.
 std::string state_of(std::vector<NamedLeaves> known) {
     known.push_back({"Transform", leaves_of<Transform>()});
     known.push_back({"Vec3", leaves_of<Vec3>()});

@@ -1,4 +1,4 @@
-// A recording and the game that plays it.
+// Opens a recording together with the game that plays it.
 #pragma once
 
 #include "cli/commands.h"
@@ -7,25 +7,25 @@
 
 namespace lockstone::cli {
 
-/// --memory and --commands: what a file from anybody may take.
+/// The options --memory and --commands: the limits for a file from an untrusted source.
 struct LimitChoice {
     std::uint32_t memory_mb = 1024;
     std::uint32_t commands = replay::Limits{}.commands_per_tick;
 
     replay::Limits limits() const { return {std::uint64_t{memory_mb} << 20, commands}; }
-    /// The same for each of two recordings that are open at a time.
+    /// Limits with half of the memory, for commands that open two recordings at a time.
     replay::Limits half() const { return {std::uint64_t{memory_mb} << 19, commands}; }
 };
 void describe_limits(CLI::App& command, LimitChoice& choice);
 
 struct Loaded {
     replay::Recording recording;
-    std::unique_ptr<Game> game; ///< null in commands mode, which needs none
+    std::unique_ptr<Game> game; ///< null for a recording of commands, which needs no game
 };
-/// The error names the file, the place and the reason. A file that ends too early, as after a crash, is opened up to its
-/// last whole chunk, and stderr says what is missing.
+/// Opens a recording and its game. The error names the file, the place and the reason. A file that ends too early (as
+/// after a crash) is opened up to its last whole chunk, and stderr says what is missing.
 Result<Loaded> load(const std::string& path, const replay::Limits& limits);
-/// The same for those who tell themselves that it is cut.
+/// Like load(), but without the message about a cut file, for callers that report it themselves.
 Result<Loaded> load_quietly(const std::string& path, const replay::Limits& limits);
 Result<replay::Recording> open_recording(const std::string& path, const replay::Limits& limits);
 

@@ -1,4 +1,4 @@
-// lockstone repair
+// The command `lockstone repair`.
 #include "cli/recordings/recording_choice.h"
 #include "cli/text.h"
 #include "replay/branch.h"

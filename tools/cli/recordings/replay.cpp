@@ -1,4 +1,4 @@
-// lockstone replay, lockstone info
+// The commands `lockstone replay` and `lockstone info`.
 #include "cli/progress.h"
 #include "cli/recordings/recording_choice.h"
 #include "cli/text.h"

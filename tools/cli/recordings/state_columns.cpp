@@ -17,19 +17,19 @@ template <class... Parts> std::string join(const Parts&... parts) {
 
 using Leaves = std::span<const LeafInfo>;
 
-/// Leaves, and how much of their names has been told already.
+/// Leaves (fields of a basic type) of a struct, and the length of the name prefix that is already printed.
 struct Part {
     Leaves leaves;
     std::size_t told; ///< characters
 
-    /// "x" of "position.x", "[1]" of "axis[1].x", nothing of what is one leaf.
+    /// The next part of the name: "x" of "position.x", "[1]" of "axis[1].x"; empty if the value is a single leaf.
     std::string first_name() const {
         const std::string_view rest = std::string_view(leaves[0].name).substr(told);
         if (rest.empty()) return "";
         const std::size_t from = rest[0] == '.' ? 1 : 0, end = rest.find_first_of(".[", from + 1);
         return std::string(rest.substr(from, end - from));
     }
-    /// The first leaves that share their first name.
+    /// The leading leaves that share the next part of their names.
     Part first() const {
         const std::string name = first_name();
         const std::size_t skip = leaves[0].name[told] == '.' ? 1 : 0;

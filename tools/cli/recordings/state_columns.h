@@ -1,4 +1,4 @@
-// The columns of a world's state as tables of replay/FORMAT.md, from the layout that the engine has.
+// The columns of a world's state as tables for replay/FORMAT.md, generated from the engine's state layout.
 #pragma once
 
 #include "lockstone/state.h"
@@ -8,13 +8,14 @@
 
 namespace lockstone::cli {
 
-/// A struct that the page names elsewhere, or that has a name of its own.
+/// A struct that replay/FORMAT.md describes elsewhere, or that has a name of its own.
 struct NamedLeaves {
     std::string name;
     std::vector<LeafInfo> leaves;
 };
 
-/// First all columns in hash order, then what a row of each is made of. Fields that are one of `known` are told by its name.
+/// A table of all columns in hash order, then the fields of each column's row. Fields that form one of the structs in
+/// `known` are listed under its name.
 std::string state_tables(const StateLayout& layout, const std::vector<NamedLeaves>& known);
 
 } // namespace lockstone::cli

@@ -1,4 +1,4 @@
-// lockstone verify
+// The command `lockstone verify`.
 #include "cli/progress.h"
 #include "cli/recordings/recording_choice.h"
 #include "cli/text.h"
@@ -44,7 +44,7 @@ Result<Shard> parse_shard(const std::string& text) {
     return Shard{static_cast<std::uint32_t>(*part), static_cast<std::uint32_t>(*parts)};
 }
 
-/// With a progress bar while it lasts.
+/// Verifies a recording and shows a progress bar meanwhile.
 replay::VerifyReport verify_watched(const Loaded& loaded, replay::VerifyOptions options) {
     std::atomic<std::uint64_t> done{0};
     options.ticks_done = &done;
@@ -94,7 +94,7 @@ replay::VerifyReport verify_file(const std::string& file, const Args& args, Shar
     return report;
 }
 
-/// Every file is looked at; the worst decides.
+/// Verifies every file; the result is that of the worst file.
 Result<Exit> verify_all(const Args& args) {
     const Result<Shard> shard = parse_shard(args.shard);
     if (!shard) return shard.error();

@@ -41,7 +41,7 @@ struct PlyHeader {
     }
 };
 
-/// False where a line of the header says nothing that this reader understands.
+/// Adds a line of the header; false if this reader does not understand it.
 bool add_line(PlyHeader& header, const std::string& line) {
     std::istringstream words(line);
     std::string word, count, number;
@@ -78,14 +78,14 @@ std::optional<PlyHeader> read_ply_header(std::istream& in) {
     return std::nullopt;
 }
 
-/// Numbers of the file's body, as text or bytes.
+/// Reads the numbers of the file's body, as text or bytes.
 class PlyBody {
   public:
     PlyBody(std::istream& from, const std::string& format)
         : in(from), is_text(format == "ascii"),
           is_swapped((format == "binary_big_endian") != (std::endian::native == std::endian::big)) {}
 
-    /// 0 from the end of the file on.
+    /// The next number; 0 after the end of the file.
     double number(PlyNumber kind) {
         if (is_text) {
             double value = 0;
@@ -125,7 +125,7 @@ class PlyBody {
     bool is_text, is_swapped;
 };
 
-/// The triangles of strips; every second one runs the other way round.
+/// Appends the triangles of strips. Every second triangle of a strip has the opposite winding.
 bool add_strips(const std::vector<double>& indices, std::vector<Indices>& triangles) {
     std::size_t begin = 0;
     for (std::size_t i = 0; i < indices.size(); ++i) {

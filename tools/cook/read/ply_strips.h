@@ -1,4 +1,4 @@
-// PLY files that hold triangle strips, as those of laser scans do: assimp reads one triangle of each strip.
+// Reads PLY files with triangle strips, which laser scans use: assimp reads only one triangle of each strip.
 #pragma once
 
 #include "cook/soup.h"
@@ -9,8 +9,8 @@
 
 namespace lockstone::cook {
 
-/// The vertices and the triangles of all strips; a negative index ends a strip, and the next index begins another. Nothing where the file is no PLY
-/// file or its header names no strips.
+/// The vertices and the triangles of all strips. A negative index ends a strip; the next index begins another one.
+/// Empty if the file is no PLY file or its header names no strips.
 std::optional<Result<Soup>> read_ply_strips(std::istream& in);
 
 } // namespace lockstone::cook

@@ -24,7 +24,7 @@ void leave_out_lines(Assimp::Importer& importer) {
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
 }
 
-/// The importer's own words, or what they mean where they speak of its steps.
+/// The error text of the importer, or a clearer one if it speaks of internal steps.
 const char* reason_of(const char* words) {
     const auto says = [&](const char* part) {
         return std::string_view(words).find(part) != std::string_view::npos;
@@ -34,7 +34,8 @@ const char* reason_of(const char* words) {
     return *words == 0 ? "the importer gave no reason" : words;
 }
 
-/// Metres per unit: FBX files name theirs in centimetres; assimp applies those of other formats.
+/// Centimetres become metres: FBX files name their unit in centimetres. Returns metres per unit. For other formats
+/// assimp has applied the unit.
 double unit_of(const aiScene& scene) {
     if (scene.mMetaData == nullptr) return 1;
     double centimetres = 0;
@@ -79,7 +80,8 @@ bool is_off(const std::string& path) {
     return end == ".off";
 }
 
-/// The lines of an OFF file that hold numbers: assimp 5.2.5 takes a comment among the faces for a face, and leaves out a real one.
+/// The lines of an OFF file without comments. assimp 5.2.5 reads a comment between the faces as a face and then loses a
+/// real one.
 std::string without_comments(const std::string& text) {
     std::istringstream in(text);
     std::string out, line;

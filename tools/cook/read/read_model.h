@@ -1,5 +1,5 @@
-// What the importing process does: assimp reads a model, here and now. It may crash, and take any memory and time;
-// import.h is the way that may not.
+// The body of the importing process: reads a model with assimp in this process. It may crash and use any amount of
+// memory and time; import.h runs it in a separate, limited process.
 #pragma once
 
 #include "cook/soup.h"
@@ -9,10 +9,10 @@
 
 namespace lockstone::cook {
 
-/// All meshes of a file in one soup, or the reason why there is none.
+/// All meshes of a file in one soup; otherwise the reason of the failure.
 Result<Soup> read_model(const std::string& path);
 
-/// The same from bytes; `extension` ("stl") tells the format where the bytes leave it open.
+/// Reads a model from bytes; `extension` ("stl") selects the format if the bytes do not show it.
 Result<Soup> read_model(std::span<const std::byte> bytes, const std::string& extension);
 
 } // namespace lockstone::cook

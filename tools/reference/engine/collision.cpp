@@ -11,7 +11,7 @@ Collision::Collision(const Contact& contact, std::span<Rigidbody> all, const Res
 
 namespace {
 
-/// Columns: n and two tangents.
+/// A basis with the columns n and two tangents.
 M3 basis_of(V3 n) {
     const V3 other = std::abs(n.x) > std::abs(n.y) ? V3{0, 1, 0} : V3{1, 0, 0};
     V3 t = cross(other, n);
@@ -32,8 +32,9 @@ void Collision::calculate_internals(Number duration) {
     calculate_desired_delta_velocity(duration);
 }
 
-/// v_d = -v_n - e (v_n - a_n h): the restitution e is "the ratio of the velocity after the contact and the initial velocity"
-/// (section 2.3), and what the last step's acceleration a has just added does not bounce (Millington, section 15.2).
+/// v_d = -v_n - e (v_n - a_n h). The restitution e is "the ratio of the velocity after the contact and the initial
+/// velocity" (section 2.3). The velocity that the last step's acceleration a has just added does not bounce
+/// (Millington, section 15.2).
 void Collision::calculate_desired_delta_velocity(Number duration) {
     const V3 from_acceleration =
         (bodies[0]->previous_acceleration - bodies[1]->previous_acceleration) * duration;
@@ -42,9 +43,10 @@ void Collision::calculate_desired_delta_velocity(Number duration) {
     desired_delta_velocity = -speed - e * (speed - dot(from_acceleration, contact_normal));
 }
 
-/// Formula 4 and "the linear and angular change necessary to resolve the penetration" (section 4.3.2). Of the depth p each of
-/// the four ways to move takes the share of its inverse inertia at the contact: 1/m, and ((1/I (r x n)) x r) . n. Turning
-/// more than the limit goes to the linear part (Millington, section 14.4.3).
+/// Formula 4 and "the linear and angular change necessary to resolve the penetration" (section 4.3.2). The depth p is
+/// shared among four motions, the linear and the angular one of each body, in proportion to their inverse inertia at
+/// the contact: 1/m, and ((1/I (r x n)) x r) . n. If a turn exceeds the limit, the rest becomes linear motion
+/// (Millington, section 14.4.3).
 std::array<Change, 2> Collision::apply_position_change() {
     std::array<Number, 2> angular_inertia{};
     Number total = 0;
@@ -77,8 +79,8 @@ std::array<Change, 2> Collision::apply_position_change() {
     return changes;
 }
 
-/// The matrix that turns an impulse into the change of velocity at the contact, both in the contact's axes:
-/// sum over the bodies of 1/m - r~ 1/I r~, where r~ b = r x b. Its first entry is v_i of formula 6, as listing 5 adds it up.
+/// The matrix that turns an impulse into the change of velocity at the contact, both in the contact's axes: sum over
+/// the bodies of 1/m - r~ 1/I r~, where r~ b = r x b. Its first entry is v_i of formula 6, which listing 5 sums up.
 M3 Collision::velocity_per_impulse() const {
     M3 world{};
     Number inverse_mass = 0;
@@ -91,7 +93,7 @@ M3 Collision::velocity_per_impulse() const {
            diagonal({inverse_mass, inverse_mass, inverse_mass});
 }
 
-/// Listing 5: i = v_d / v_i (formula 6), along n alone.
+/// Listing 5: i = v_d / v_i (formula 6), along n only.
 V3 Collision::frictionless_impulse() const {
     Number delta_velocity = 0;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -102,10 +104,10 @@ V3 Collision::frictionless_impulse() const {
     return {desired_delta_velocity / delta_velocity, 0, 0};
 }
 
-/// "If friction was taken into account the resulting impulse could be in a different direction" (section 4.3.2): the impulse
-/// that stops the sliding too; where Coulomb's cone does not hold it, its edge, against the sliding s that there is or that
-/// the impulse along n alone would start. Millington, section 15.3, takes the edge in the direction of the impulse that would
-/// stop, which at a box's corners loses 15 % of the friction.
+/// "If friction was taken into account the resulting impulse could be in a different direction" (section 4.3.2): the
+/// impulse that also stops the sliding. If it lies outside of Coulomb's cone, the result lies on the edge of the cone,
+/// against the sliding velocity s that exists or that the impulse along n would cause. Millington, section 15.3, uses
+/// the edge in the direction of the stopping impulse, which loses 15 % of the friction at the corners of a box.
 V3 Collision::friction_impulse() const {
     const M3 m = velocity_per_impulse();
     const V3 impulse = solve(m, {desired_delta_velocity, -contact_velocity.y, -contact_velocity.z});
@@ -118,7 +120,7 @@ V3 Collision::friction_impulse() const {
     return {along, y * friction * along, z * friction * along};
 }
 
-/// Listing 6: i = m dv (formula 5) and 1/I (r x i), against the second body.
+/// Listing 6: i = m dv (formula 5) and 1/I (r x i); the second body gets the opposite impulse.
 std::array<Change, 2> Collision::apply_velocity_change() {
     std::array<Change, 2> changes{};
     if (!bodies[0]->is_movable() && !bodies[1]->is_movable()) return changes;

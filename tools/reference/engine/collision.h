@@ -1,7 +1,8 @@
-// One contact point on its way through the resolver: sections 2.3 and 4.3.2 of the thesis (formulas 4 to 6, listings 5 and 6), with its names.
+// One contact point in the resolver: sections 2.3 and 4.3.2 of the thesis (formulas 4 to 6, listings 5 and 6), with its
+// names.
 //
-// What the listings call but do not print (the internals, friction, the change of positions) is filled in from the book
-// that their names and the page numbers of reference [6] lead to: I. Millington, Game Physics Engine Development,
+// The listings call functions that they do not print (the internals, friction, the change of positions). These follow
+// the book from which their names and the pages of reference [6] come: I. Millington, Game Physics Engine Development,
 // 2nd ed. 2010, chapters 14 and 15.
 #pragma once
 
@@ -11,7 +12,8 @@
 
 namespace reference::LOCKSTONE_REFERENCE_BUILD {
 
-/// How a body was moved by one iteration: by `linear`, and turned by `angular`. Of places [m], [rad], or of velocities.
+/// How one iteration moves a body: a translation `linear` and a rotation `angular` [m], [rad], or changes of the
+/// velocities.
 struct Change {
     V3 linear, angular;
 };
@@ -26,15 +28,15 @@ struct Collision {
     M3 contact_to_world; ///< columns: n and two tangents
     Number penetration;  ///< p [m]
     Number friction, restitution;
-    std::array<V3, 2> relative_contact_position; ///< r, from each centre of mass
-    V3 contact_velocity;             ///< of the first body against the second, in the contact's axes [m/s]
+    std::array<V3, 2> relative_contact_position; ///< r, from each body's centre of mass
+    V3 contact_velocity; ///< of the first body relative to the second, in the contact's axes [m/s]
     Number desired_delta_velocity{}; ///< v_d along n [m/s], formula 6
 
     void calculate_internals(Number duration);
     void calculate_desired_delta_velocity(Number duration);
-    /// Moves both apart by p along n, in linear and angular shares.
+    /// Moves the bodies apart by p along n, in linear and angular shares.
     std::array<Change, 2> apply_position_change();
-    /// Listing 6, and what it did for listing 7.
+    /// Listing 6. Returns the changes, which listing 7 needs.
     std::array<Change, 2> apply_velocity_change();
 
   private:

@@ -1,4 +1,4 @@
-// The bodies of one build behind the interface that all builds share.
+// The bodies of one build, behind the interface that all builds share.
 #include "reference/builds.h"
 #include "reference/engine/resolve.h"
 

@@ -1,8 +1,8 @@
-// The integrators of section 2.1, formulas 1 to 3. x place, v velocity, a acceleration; q orientation, w angular velocity, b angular
-// acceleration; h the time step, which the thesis writes as a delta t.
+// The integrators of section 2.1, formulas 1 to 3. x position, v velocity, a acceleration; q orientation, w angular
+// velocity, b angular acceleration; h the time step (delta t in the thesis).
 //
-// "Angular velocity and orientation are updated with the same integration methods as the linear forces" (section 2.1). Damping
-// is that of listing 3 for all: v *= d^h.
+// "Angular velocity and orientation are updated with the same integration methods as the linear forces" (section 2.1).
+// All integrators use the damping of listing 3: v *= d^h.
 #include "reference/engine/rigid_body.h"
 
 namespace reference::LOCKSTONE_REFERENCE_BUILD {
@@ -14,7 +14,7 @@ void damp(Rigidbody& body, Number h) {
 }
 
 /// Formula 1, Euler-Cromer, as in listing 3:  v' = v + a h,  x' = x + v' h.
-/// Its `acceleration` is what always acts, gravity, to which it adds F / m.
+/// Its `acceleration` is the constant one of gravity, to which F / m is added.
 void semi_implicit_euler(Rigidbody& body, const Forces& forces) {
     const Number h = forces.dt;
     body.previous_acceleration = body.acceleration_at(body.position, forces);
@@ -25,8 +25,9 @@ void semi_implicit_euler(Rigidbody& body, const Forces& forces) {
     body.orientation = body.orientation + rate_of(body.orientation, body.rotation) * h;
 }
 
-/// Formula 2, Verlet:  x'' = 2 x' - x + a h^2, where x is the place before. It is kept as the velocity v = (x' - x) / h,
-/// of order 1 as the text says, so that the resolver can change it and a start can have one. Turns alike.
+/// Formula 2, Verlet:  x'' = 2 x' - x + a h^2, where x is the previous position. The previous position is stored as the
+/// velocity v = (x' - x) / h (of order 1, as the text says), so that the resolver can change it and a body can start
+/// with one. Orientations are treated alike.
 void verlet(Rigidbody& body, const Forces& forces) {
     const Number h = forces.dt;
     damp(body, h);
@@ -54,7 +55,7 @@ void velocity_verlet(Rigidbody& body, const Forces& forces) {
     damp(body, h);
 }
 
-/// All that changes, and its rate of change.
+/// The state that an integrator changes, or its rate of change.
 struct Phase {
     V3 x, v;
     Q4 q;
@@ -65,7 +66,7 @@ struct Phase {
     friend Phase operator*(const Phase& p, Number s) { return {p.x * s, p.v * s, p.q * s, p.w * s}; }
 };
 
-/// The classical method of Runge and Kutta: y' = y + (k1 + 2 k2 + 2 k3 + k4) h / 6, with "the evaluation four times".
+/// The classical Runge-Kutta method: y' = y + (k1 + 2 k2 + 2 k3 + k4) h / 6, with "the evaluation four times".
 void runge_kutta_4(Rigidbody& body, const Forces& forces) {
     const Number h = forces.dt;
     const auto rate = [&](const Phase& y) -> Phase {

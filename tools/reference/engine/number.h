@@ -1,5 +1,5 @@
-// Vectors, quaternions and matrices of one build: its namespace and its number type come from the build, so that
-// builds with other flags share not one function.
+// Vectors, quaternions and matrices of one build. The build defines the namespace and the number type, so that builds
+// with different flags share no function.
 #pragma once
 
 #include "reference/engine/core.h"
@@ -33,7 +33,7 @@ inline Number dot(V3 a, V3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline V3 cross(V3 a, V3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline Number length(V3 a) { return std::sqrt(dot(a, a)); }
 
-/// Three columns.
+/// A matrix of three columns.
 struct M3 {
     V3 x, y, z;
 
@@ -47,7 +47,7 @@ inline M3 transpose(const M3& m) {
 inline M3 diagonal(V3 d) { return {{d.x, 0, 0}, {0, d.y, 0}, {0, 0, d.z}}; }
 /// skew(a) b = a x b.
 inline M3 skew(V3 a) { return {{0, a.z, -a.y}, {-a.z, 0, a.x}, {a.y, -a.x, 0}}; }
-/// The x of m x = b, by Cramer's rule.
+/// Solves m x = b by Cramer's rule.
 inline V3 solve(const M3& m, V3 b) {
     const V3 yz = cross(m.y, m.z);
     const Number d = dot(m.x, yz);
@@ -65,7 +65,7 @@ struct Q4 {
     }
 };
 inline Q4 normalize(Q4 q) { return q * (1 / std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w)); }
-/// Its rate of change at angular velocity w: w q / 2.
+/// The rate of change of q at angular velocity w: w q / 2.
 inline Q4 rate_of(Q4 q, V3 w) { return Q4{w.x, w.y, w.z, 0} * q * half; }
 inline M3 matrix_of(Q4 q) {
     const Number x = q.x + q.x, y = q.y + q.y, z = q.z + q.z;

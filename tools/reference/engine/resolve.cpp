@@ -3,7 +3,7 @@
 namespace reference::LOCKSTONE_REFERENCE_BUILD {
 namespace {
 
-/// Listing 8: the first of the greatest, as std::max_element finds it; null when none is above epsilon.
+/// Listing 8: the first of the greatest values; null if none is above epsilon.
 Collision* worst(std::span<Collision> collisions, Number Collision::*measure, Number epsilon) {
     Collision* found = nullptr;
     for (Collision& collision : collisions)
@@ -11,7 +11,8 @@ Collision* worst(std::span<Collision> collisions, Number Collision::*measure, Nu
     return found != nullptr && found->*measure < epsilon ? nullptr : found;
 }
 
-/// Listing 7's search: calls visit(secondary, which of its bodies, change) for each body that the change moved.
+/// The search of listing 7: calls visit(secondary, index of its body, change) for each contact of a body that the
+/// change moved.
 template <class Visit>
 void for_each_affected(std::span<Collision> collisions, const Collision& primary,
                        const std::array<Change, 2>& changes, Visit visit) {
@@ -21,13 +22,13 @@ void for_each_affected(std::span<Collision> collisions, const Collision& primary
                 if (primary.bodies[mine] == secondary.bodies[theirs]) visit(secondary, theirs, changes[mine]);
 }
 
-/// How a change moves what touches the other there, along with the contact's sign.
+/// The motion of one body's contact point by a change, with the sign of that body in the contact.
 V3 at_contact(const Collision& collision, std::size_t body, const Change& change) {
     const V3 moved = change.linear + cross(change.angular, collision.relative_contact_position[body]);
     return body == 0 ? moved : -moved;
 }
 
-/// True once the deepest is below epsilon.
+/// Returns true once the deepest penetration is below epsilon.
 bool adjust_positions(std::span<Collision> collisions, const Resolver& settings, std::vector<Resolved>& log) {
     Collision* primary = worst(collisions, &Collision::penetration, Number(settings.position_epsilon));
     if (primary == nullptr) return true;
@@ -40,7 +41,7 @@ bool adjust_positions(std::span<Collision> collisions, const Resolver& settings,
     return false;
 }
 
-/// Listings 7 and 8. True once no velocity has to change by epsilon.
+/// Listings 7 and 8. Returns true once every desired change of velocity is below epsilon.
 bool adjust_velocities(std::span<Collision> collisions, const Resolver& settings, Number duration,
                        std::vector<Resolved>& log) {
     Collision* primary =

@@ -7,8 +7,8 @@
 
 namespace reference::LOCKSTONE_REFERENCE_BUILD {
 
-/// Resolves all that touches: positions, then velocities, each the worst first. Of equal ones the first in the list.
-/// `log` gets what was done, in order.
+/// Resolves all contacts: positions, then velocities, each with the worst first; of equal ones the first in the list.
+/// Appends each iteration to `log`.
 void resolve(std::span<Collision> collisions, const Resolver& settings, Number duration,
              std::vector<Resolved>& log);
 

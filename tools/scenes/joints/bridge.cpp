@@ -1,5 +1,5 @@
-// Planks on hinges between two banks, and boxes that fall on them. Players' balls start on the banks, and again when
-// they have fallen to the ground.
+// Planks on hinges between two banks, and boxes that fall on them. Players' balls start on the banks. A ball that has
+// fallen to the ground returns to its start.
 #include "lockstone/math/math.h"
 #include "lockstone/math/random.h"
 #include "scenes/balls.h"
@@ -10,7 +10,7 @@ namespace lockstone::scenes_detail {
 namespace {
 
 constexpr Real pitch = 0.4_r, half_plank = 0.19_r, half_thickness = 0.05_r, half_width = 0.9_r; ///< [m]
-constexpr Real arc = 0.85_r; ///< angle of the arc that the planks start in [rad]: 3 % longer than the gap
+constexpr Real arc = 0.85_r; ///< angle of the arc of planks at the start [rad]: 3 % longer than the gap
 constexpr std::uint32_t planks_per_box = 8;
 constexpr UnitVec3 axis_y{Unit{}, unit_one, Unit{}}, axis_z{Unit{}, Unit{}, unit_one};
 
@@ -21,7 +21,7 @@ class Bridge final : public BallScene {
     Result<World> start() const override {
         const std::uint32_t boxes = std::max(1u, options.size / planks_per_box);
         WorldDef def = world_for(options.size + boxes + options.players, options.seed);
-        def.substeps = WorldDef::precise().substeps; // long chains
+        def.substeps = WorldDef::precise().substeps; // for long chains
         def.joints_max = options.size + 1;
         GameSchema schema;
         add_players(schema);
@@ -48,20 +48,20 @@ class Bridge final : public BallScene {
     }
 
     Real bank_height() const { return 2_r + pitch * Real(options.size) * 0.12_r; }
-    /// Between the banks.
+    /// The distance between the banks [m].
     Real gap() const {
         Real span{};
         for (std::uint32_t i = 0; i < options.size; ++i) span += pitch * cos(slope(i));
         return span;
     }
 
-    /// By turns on either bank, two behind each other, in the middle of the way.
+    /// The balls start on alternate banks in the middle of the way, two behind each other.
     Vec3 start_of(std::uint32_t player) const override {
         const Real from_edge = player < 2 ? 1.2_r : 2.8_r, side = player % 2 == 0 ? -1_r : 1_r;
         return {side * (half(gap()) + from_edge), bank_height() + ball_radius, 0_r};
     }
     bool is_out(Vec3 position) const override { return position.y < ball_radius + 0.1_r; }
-    /// Planks stay where they are.
+    /// Pushes move boxes and players, but no planks.
     bool is_loose(const Look& look) const override {
         return look.role == Role::player || look.number >= 6 * options.size;
     }
@@ -88,7 +88,7 @@ class Bridge final : public BallScene {
         build.joint(hinge_joint(), build_bank(build, half(span), 1_r, height), before, at(hinge, across));
     }
 
-    /// Its edge at `edge`, the rest of it on the side that `side` says.
+    /// A bank whose edge is at `edge`; the rest lies on the side with the sign of `side`.
     static BodyId build_bank(Builder& build, Real edge, Real side, Real height) {
         return build.body({.kind = BodyKind::static_,
                            .pose = at({edge + side * 2_r, half(height), 0_r}),

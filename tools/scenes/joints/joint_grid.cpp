@@ -1,5 +1,5 @@
-// A station for every kind of joint on a grid, driven for ever by motors and pushes. Players' balls roll below them, and
-// reach them by jumps and pushes.
+// A grid with one station for every kind of joint. Motors and pushes drive the joints forever. Players' balls roll
+// below them and reach them by jumps and pushes.
 #include "lockstone/math/math.h"
 #include "scenes/balls.h"
 
@@ -9,12 +9,13 @@ namespace lockstone::scenes_detail {
 namespace {
 
 constexpr std::uint32_t columns = 5, station_count = 20, bodies_max = 48, joints_max = 40;
-constexpr Real spacing = 4.5_r, height = 3_r; ///< of the grid; of a station's joint over the ground [m]
+constexpr Real spacing = 4.5_r, height = 3_r; ///< of the grid; of a station's joint above the ground [m]
 constexpr std::uint32_t push_period = 150, break_period = 600; ///< [ticks]
 constexpr UnitVec3 axis_x{unit_one, Unit{}, Unit{}}, axis_y{Unit{}, unit_one, Unit{}},
     axis_z{Unit{}, Unit{}, unit_one};
 
-/// In the order of the grid. A joint's user_key is its station, a body's that plus a multiple of station_count.
+/// The stations in the order of the grid. A joint's user_key is its station; a body's is that plus a multiple of
+/// station_count.
 enum Station : std::uint32_t {
     ball_cone,
     hinge_motor,
@@ -38,7 +39,7 @@ enum Station : std::uint32_t {
     breaking,
 };
 
-/// What the rules must find again.
+/// The bodies and joints that the rules act on.
 struct Cast {
     std::array<BodyId, station_count> body;
     std::array<JointId, station_count> joint;
@@ -62,7 +63,7 @@ JointDef brittle_weld() {
 struct Grid {
     Builder& build;
     Cast cast{};
-    std::array<std::uint32_t, station_count> count{}; ///< bodies of each station
+    std::array<std::uint32_t, station_count> count{}; ///< number of bodies of each station
 
     BodyId body(std::uint32_t station, Vec3 offset, const Geometry& geometry,
                 Quat rotation = Quat::identity()) {
@@ -80,7 +81,7 @@ struct Grid {
         if (!cast.joint[station]) cast.joint[station] = made;
         return made;
     }
-    /// A bar that hangs down or sticks out from the station's joint to the world.
+    /// A bar that hangs down or sticks out from a joint between the station and the world.
     void bar(std::uint32_t station, const JointDef& def, Vec3 offset, Quat rotation = Quat::identity()) {
         const Geometry shape = offset.x == 0_r ? box(0.12_r, 0.7_r, 0.12_r) : box(0.7_r, 0.12_r, 0.12_r);
         join(station, def, BodyId{}, body(station, offset, shape), {}, rotation);
@@ -88,7 +89,7 @@ struct Grid {
     void block(std::uint32_t station, JointDef def) {
         join(station, def, BodyId{}, body(station, {}, box(0.3_r, 0.3_r, 0.3_r)), {});
     }
-    /// Hung on a line of 1.5 m.
+    /// A ball that hangs on a joint of 1.5 m length.
     void hang(std::uint32_t station, const JointDef& def) {
         const BodyId made = body(station, {0_r, -1.5_r, 0_r}, sphere(0.35_r));
         JointDef line = def;
@@ -104,7 +105,7 @@ struct Grid {
 };
 
 constexpr Vec3 below{0_r, -0.7_r, 0_r}, beside{0.7_r, 0_r, 0_r};
-/// x of the joint's frame points along z of the world.
+/// A rotation that turns the x axis of the joint's frame to the z axis of the world.
 Quat across() { return from_axis_angle(axis_y, -half_pi); }
 
 void Grid::hinges() {
@@ -195,7 +196,7 @@ void Grid::machines() {
 
 // ---- the rules ------------------------------------------------------------------------------------------------
 
-/// Alternates from one period to the next.
+/// +1 and -1 in alternate periods.
 Real sign_of(std::uint64_t period) { return period % 2 == 0 ? 1_r : -1_r; }
 
 void push_all(Turn& turn, const Cast& cast, std::uint64_t period) {
@@ -206,7 +207,7 @@ void push_all(Turn& turn, const Cast& cast, std::uint64_t period) {
     }
 }
 
-/// A station's own joint, with which the rules cannot do without.
+/// True if the station's joint exists; otherwise the rules fail, since they need it.
 bool has_joint(Turn& turn, JointId joint) {
     const bool lives = turn.world.is_alive(joint);
     if (!lives) turn.must(Error{"a joint of the grid is broken that should hold"});
@@ -234,7 +235,7 @@ void move_targets(Turn& turn, const Cast& cast, std::uint64_t period) {
     turn.must(world.set_joint_frames(cast.joint[mouse], at(to), Transform::identity()));
 }
 
-/// A blow breaks it; later it is put together again.
+/// An impulse breaks the joint; later the rules create it again.
 void break_and_mend(Turn& turn, Cast& cast, std::uint64_t now) {
     World& world = turn.world;
     const BodyId bar = cast.body[breaking];
@@ -258,7 +259,7 @@ class JointGrid final : public BallScene {
         schema.add_record<Cast>("game.cast");
         add_players(schema);
         WorldDef def = world_for(bodies_max + options.players, options.seed);
-        def.substeps = WorldDef::precise().substeps; // long chains
+        def.substeps = WorldDef::precise().substeps; // for long chains
         def.shapes_max += station_count;
         def.joints_max = joints_max;
         Builder build(def, schema);
@@ -302,7 +303,7 @@ class JointGrid final : public BallScene {
         return {spacing * (Real(player) - 1.5_r), ball_radius, spacing * 2.5_r};
     }
 
-    /// One behind each station.
+    /// One post behind each station.
     static void build_posts(Builder& build) {
         BodyId posts{};
         for (std::uint32_t i = 0; i < station_count; ++i) {

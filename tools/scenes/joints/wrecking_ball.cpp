@@ -1,5 +1,6 @@
-// A ball of a thousand links' mass, raised at the end of their chain, swings into a wall. The first player pulls it along
-// the stick by a bounded force, slows it down, and builds the wall anew; the others roll about below.
+// A ball on a chain swings into a wall; it has the mass of a thousand links and starts raised. The first player pulls
+// it in the direction of the stick by a bounded force, slows it down, and rebuilds the wall. The other players roll
+// about below.
 #include "lockstone/math/math.h"
 #include "scenes/balls.h"
 
@@ -10,24 +11,25 @@ constexpr Real link_length = 0.3_r, link_radius = 0.06_r, link_mass = 2_r; ///< 
 constexpr Real load_radius = 0.8_r, load_mass = 1000_r * link_mass;        ///< of the ball on the chain
 constexpr Real box_size = 0.8_r;                                           ///< [m]
 constexpr Real raised = 1.1_r;      ///< angle of the chain to the vertical at the start [rad]
-constexpr Real raised_most = 1.3_r; ///< the angle that the player swings it up to [rad]
-constexpr std::uint32_t wall_columns = 9, wall_rows = 8, build_pause = 120; ///< the last in [ticks]
+constexpr Real raised_most = 1.3_r; ///< largest angle that the player can swing it up to [rad]
+constexpr std::uint32_t wall_columns = 9, wall_rows = 8, build_pause = 120; ///< build_pause in [ticks]
 constexpr UnitVec3 axis_z{Unit{}, Unit{}, unit_one};
 
-/// How far the player may swing the ball: any further, and it would hit the mast, or the chain would go slack.
+/// How far the player may swing the ball. Any further, and it would hit the mast, or the chain would become slack.
 struct Reach {
-    Real height;   ///< of the ball's centre, swinging along x [m]
-    Real aside;    ///< swinging along z [m]
-    Real pendulum; ///< from the joint at the crane to the ball's centre [m]
+    Real height;   ///< largest height of the ball's centre when it swings along x [m]
+    Real aside;    ///< largest deflection when it swings along z [m]
+    Real pendulum; ///< distance from the joint at the crane to the ball's centre [m]
 };
 
-/// Pulls along the stick with at most a quarter of the ball's weight, so that it has to be swung up.
+/// Pulls the ball in the direction of the stick by at most a quarter of its weight, so that the player has to swing it
+/// up.
 void pull(Turn& turn, BodyId ball, ArenaInput input, const Reach& reach) {
     World& world = turn.world;
     constexpr Real acceleration = 2.5_r, gravity = 9.81_r; // [m/s^2]
     const Vec3 position = world.pose(ball).position, velocity = world.linear_velocity(ball);
     Vec3 wish{acceleration * Real(input.move_x) / 127_r, 0_r, acceleration * Real(input.move_z) / 127_r};
-    // What the speed of now still turns into.
+    // The height and the deflection that the ball still reaches with its current speed.
     const Real rise = half(dot<Real>(velocity, velocity)) / gravity;
     const Real drift = velocity.z * sqrt(reach.pendulum / gravity);
     if (wish.x * velocity.x > 0_r && position.y + rise > reach.height) wish.x = 0_r;
@@ -36,7 +38,7 @@ void pull(Turn& turn, BodyId ball, ArenaInput input, const Reach& reach) {
     turn.must(world.add_force(ball, wish * load_mass));
 }
 
-/// Against the way it goes, with at most a quarter of its weight.
+/// Brakes the ball by at most a quarter of its weight.
 void slow_down(Turn& turn, BodyId ball) {
     World& world = turn.world;
     constexpr Real rate = 2_r, most = 2.5_r; // [1/s], [m/s^2]
@@ -45,7 +47,7 @@ void slow_down(Turn& turn, BodyId ball) {
     turn.must(world.add_force(ball, {along(velocity.x), 0_r, along(velocity.z)}));
 }
 
-/// Where the i-th box of the wall stands: every other row is shifted by half a box.
+/// The place of the i-th box of the wall. Every other row is shifted by half a box.
 Transform place_of_box(std::uint32_t i) {
     const std::uint32_t row = i / wall_columns;
     const Real shift = row % 2 == 0 ? 0_r : half(box_size);
@@ -73,7 +75,7 @@ class WreckingBall final : public BallScene {
 
     Result<World> start() const override {
         WorldDef def = world_for(options.size + 1 + wall_columns * wall_rows + options.players, options.seed);
-        def.substeps = 16; // with 8 a snatched chain of 30 links parts by 7 cm
+        def.substeps = 16; // with 8 substeps a chain of 30 links parts by 7 cm under a jerk
         def.joints_max = options.size + 1;
         GameSchema schema;
         add_players(schema);
@@ -97,7 +99,7 @@ class WreckingBall final : public BallScene {
     Vec3 start_of(std::uint32_t player) const override {
         return {3_r * Real(player) - 6_r, ball_radius, 7_r};
     }
-    /// The chain and its ball are too heavy to push.
+    /// Pushes do not move the chain and its ball: they are too heavy.
     bool is_loose(const Look& look) const override {
         return look.role == Role::prop || (look.role == Role::player && look.number != 0);
     }
@@ -112,7 +114,7 @@ class WreckingBall final : public BallScene {
     }
 
     static BodyId build_crane(Builder& build, Real height) {
-        const Real behind = -5_r; // the chain swings along x, the mast stands beside its way
+        const Real behind = -5_r; // the chain swings along x, past the mast
         const BodyId crane =
             build.body({.kind = BodyKind::static_, .user_key = user_key_of(Role::machine, 0)},
                        {.geometry = box(0.4_r, half(height) + 0.4_r, 0.4_r),
@@ -148,7 +150,7 @@ class WreckingBall final : public BallScene {
         return ball;
     }
 
-    /// Boxes of 0.8 m before the lowest point of the swing.
+    /// Boxes of 0.8 m in front of the lowest point of the swing.
     static void build_wall(Builder& build) {
         for (std::uint32_t i = 0; i < wall_columns * wall_rows; ++i)
             build.body({.pose = place_of_box(i), .user_key = user_key_of(Role::prop, i)},

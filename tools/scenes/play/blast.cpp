@@ -1,4 +1,4 @@
-// Houses of crates, and an explosion among them every three seconds.
+// Houses of crates. Every three seconds a charge explodes in one of them.
 #include "scenes/scene.h"
 
 namespace lockstone::scenes_detail {
@@ -17,7 +17,7 @@ class Blast final : public Scene {
         return std::move(build).finish();
     }
 
-    /// The blast goes from house to house, at its foot, and back to the first.
+    /// The next explosion is at the foot of the next house; after the last house comes the first.
     void play(Turn& turn, std::span<const PlayerInput>) const override {
         const std::uint64_t tick = turn.world.tick_count();
         if (tick % ticks_between == first_tick) {
@@ -41,7 +41,7 @@ class Blast final : public Scene {
     /// Four pillars of three crates each, and a roof on them.
     void add_house(Builder& build, std::uint32_t house) const {
         const Vec3 center = center_of(house);
-        std::uint32_t number = house * parts; // of a part among all
+        std::uint32_t number = house * parts; // index of a part among the parts of all houses
         constexpr Real out = 1.2_r;
         const Vec3 pillars[4] = {{out, 0_r, 0_r}, {-out, 0_r, 0_r}, {0_r, 0_r, out}, {0_r, 0_r, -out}};
         for (const Vec3& pillar : pillars)

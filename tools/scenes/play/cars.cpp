@@ -1,6 +1,6 @@
-// Up to four cars and a tank on hills of 128 x 128 m with a level place in the middle, ramps, and crates to drive into.
-// Cars go where the stick points, the way a camera behind them sees it: far behind means backwards. Jump is the hand
-// brake, push puts a car back on its wheels. The tank follows a round of its own.
+// Up to four cars and a tank on hills of 128 x 128 m with a flat area in the middle, ramps, and crates. A car drives in
+// the direction of the stick, as a camera behind it shows it; a direction far behind the car means reverse. Jump is the
+// hand brake; push puts a car back on its wheels. The tank follows a fixed route.
 #include "lockstone/math/math.h"
 #include "lockstone/math/random.h"
 #include "scenes/scene.h"
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t car_count = 4, crate_rows = 4, samples = 129;
 constexpr std::uint32_t crate_count = 4 * (crate_rows * (crate_rows + 1) / 2);
-constexpr std::uint32_t help_pause = 120; ///< [ticks] between two helps back on the wheels
+constexpr std::uint32_t help_pause = 120;                                ///< [ticks] between two uses of push
 constexpr Real half_side = 64_r, car_mass = 1300_r, tank_mass = 20000_r; ///< [m], [kg]
 constexpr UnitVec3 up{Unit{}, unit_one, Unit{}};
 
@@ -22,7 +22,7 @@ struct Garage {
     std::array<VehicleId, car_count> cars;
     std::array<BodyId, car_count> bodies;
     VehicleId tank;
-    std::array<std::uint32_t, car_count> help_ready; ///< the first tick at which a car may be helped again
+    std::array<std::uint32_t, car_count> help_ready; ///< the first tick at which push may help the car again
     friend bool operator==(const Garage&, const Garage&) = default;
 };
 template <class V> constexpr void describe(Garage& g, V&& v) {
@@ -32,7 +32,7 @@ constexpr Column<Garage> garage_column{0};
 
 // ---- the start ------------------------------------------------------------------------------------------------
 
-/// [m] at a place, the middle of the field being the origin: level within 24 m, hills beyond.
+/// The height at a place [m]; the origin is the middle of the field. Flat within 24 m, hills beyond.
 Real height_at(Real x, Real z) {
     const Real radius = sqrt(x * x + z * z);
     const Real rise = clamp((radius - 24_r) / 16_r, 0_r, 1_r);
@@ -76,7 +76,7 @@ void build_ramps(Builder& build) {
     }
 }
 
-/// Four walls of crates, one row shorter than the one below.
+/// Four walls of crates; each row has one crate less than the row below.
 void build_crates(Builder& build) {
     constexpr Real half_edge = 0.4_r, step = 0.85_r;
     std::uint32_t number = 0;
@@ -112,7 +112,7 @@ VehicleDef tank_def(BodyId body) {
     return def;
 }
 
-/// The ids that the vehicles will have: nothing was destroyed, so they are counted through.
+/// Stores the ids that the vehicles will get. No vehicle has been destroyed yet, so ids are consecutive.
 void build_vehicles(Builder& build, Garage& garage, std::uint32_t players) {
     for (std::uint32_t p = 0; p < car_count; ++p) {
         const Real x = 4_r * Real(p) - 6_r;
@@ -139,7 +139,7 @@ void build_vehicles(Builder& build, Garage& garage, std::uint32_t players) {
 
 // ---- the rules ------------------------------------------------------------------------------------------------
 
-/// What a driver does to go where the stick points.
+/// The controls of a car whose driver wants to go in the direction of the stick.
 VehicleInput drive(const World& world, BodyId body, ArenaInput input) {
     const Rotation axes = to_rotation(world.pose(body).rotation);
     const Vec3 stick{Real(input.move_x) / 127_r, 0_r, Real(input.move_z) / 127_r};
@@ -156,13 +156,13 @@ VehicleInput drive(const World& world, BodyId body, ArenaInput input) {
     out.gear = backwards ? -1 : 1;
     const bool against = backwards ? speed > 1_r : speed < -1_r;
     (against ? out.brake : out.throttle) = wish;
-    // The faster, the gentler.
+    // The faster the car, the smaller the steering angle.
     const Real most = 1_r / (1_r + abs(speed) / 20_r);
     out.steer = clamp(left / wish * -1.5_r, -most, most);
     return out;
 }
 
-/// Half the time straight on, then a turn on the spot.
+/// Drives straight on most of the time, then turns on the spot.
 VehicleInput tank_round(std::uint64_t now) {
     VehicleInput out;
     out.throttle = 0.6_r;
@@ -179,7 +179,7 @@ void set_input(Turn& turn, VehicleId vehicle, const VehicleInput& input) {
     if (turn.world.vehicle_input(vehicle) != input) turn.must(turn.world.set_vehicle_input(vehicle, input));
 }
 
-/// Lifts a car and turns it upright, as it heads.
+/// Lifts a car and turns it upright; the heading stays.
 void help(Turn& turn, BodyId body) {
     World& world = turn.world;
     const Transform pose = world.pose(body);
@@ -239,7 +239,7 @@ class Cars final : public Scene {
         return found.alive(garage.tank, "the tank").finish();
     }
 
-    /// Holds a direction for a second, most often at full speed.
+    /// Holds a direction for a second, mostly at full speed.
     void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
                 std::span<std::byte> input) const override {
         constexpr std::uint64_t hold = 60;

@@ -1,5 +1,6 @@
-// A round of obstacles for one to four characters: stairs and a ramp, crates, a tunnel that wants them crouched, a
-// turning disc, a platform that goes to and fro, a lift, rocks, a seesaw, a shelf that is jumped onto from below.
+// An obstacle course in a circle for one to four characters: stairs and a ramp, crates, a tunnel for crouching, a
+// turning disc, a platform that moves to and fro, a lift, rocks, a seesaw, a shelf that characters jump onto from
+// below.
 #include "lockstone/math/math.h"
 #include "scenes/scene.h"
 
@@ -10,8 +11,8 @@ namespace lockstone::scenes_detail {
 namespace {
 
 constexpr std::uint32_t players_max = 4, crate_count = 9;
-constexpr Real track = 9.5_r;             ///< [m]: radius of the middle of the round
-constexpr Real inner = 6_r, outer = 13_r; ///< [m]: radii of what is walled in
+constexpr Real track = 9.5_r;             ///< [m]: radius of the middle of the course
+constexpr Real inner = 6_r, outer = 13_r; ///< [m]: inner and outer radius of the walled course
 constexpr Real speed = 4_r;               ///< [m/s]
 constexpr std::uint32_t shuttle_ticks = 240;
 constexpr std::int32_t round_ticks = 900;
@@ -24,11 +25,11 @@ struct Cast {
 template <class V> constexpr void describe(Cast& c, V&& v) {
     v("characters", c.characters), v("shuttle", c.shuttle), v("lift", c.lift);
 }
-constexpr Column<Cast> cast_column{0}; ///< the only one
+constexpr Column<Cast> cast_column{0}; ///< the only column
 
 Real radians(std::int32_t degrees) { return pi * degrees / 180_r; }
 
-/// A place on the round: its x axis leads onwards, its y axis up, its z axis inwards.
+/// A place on the course: its x axis points forwards, its y axis up, its z axis inwards.
 Transform station(std::int32_t degrees) {
     const Real a = radians(degrees);
     return {{track * cos(a), 0_r, track * sin(a)}, from_axis_angle(axis_y, -a - half_pi)};
@@ -72,7 +73,7 @@ struct Course {
         for (std::int32_t i = 0; i < 6; ++i)
             block(from, {depth * i, half(rise * (i + 1)), 0_r}, {half(depth), half(rise * (i + 1)), width});
         block(from, {2.7_r, half(top), 0_r}, {1.05_r, half(top), width});
-        // Down from 3.75 m at 25 degrees.
+        // The ramp goes down from 3.75 m at 25 degrees.
         const Real angle = radians(25), length = top / sin(angle);
         block(from,
               {3.75_r + half(length * cos(angle)) - 0.1_r * sin(angle), half(top) - 0.1_r * cos(angle), 0_r},
@@ -90,7 +91,7 @@ struct Course {
     void tunnel() {
         const Transform from = station(135);
         for (const Real side : {-1_r, 1_r}) block(from, {0_r, 0.6_r, side * 1.5_r}, {1.5_r, 0.6_r, 0.2_r});
-        block(from, {0_r, 1.4_r, 0_r}, {1.5_r, 0.15_r, 1.7_r}); // its underside at 1.25 m
+        block(from, {0_r, 1.4_r, 0_r}, {1.5_r, 0.15_r, 1.7_r}); // its underside is at 1.25 m
     }
     void disc() { machine(station(175) * at({0_r, 0.1_r, 0_r}), cylinder(2.4_r, 0.2_r), {0_r, 0.8_r, 0_r}); }
     BodyId shuttle() { return machine(station(215) * at({-1.5_r, 0.1_r, 0_r}), box(1.2_r, 0.15_r, 1.5_r)); }
@@ -181,7 +182,8 @@ class CharacterScene final : public Scene {
         return found.alive(cast.shuttle, "the shuttle").alive(cast.lift, "the lift").finish();
     }
 
-    /// Round and round: the direction turns with time, walls do the rest. Crouched where the tunnel is.
+    /// The characters go round and round: the direction turns with time, and the walls guide them. They crouch at the
+    /// tunnel.
     void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
                 std::span<std::byte> input) const override {
         const auto at_round = static_cast<std::int32_t>((tick + seed * 7) % std::uint64_t{round_ticks});
@@ -202,7 +204,7 @@ class CharacterScene final : public Scene {
         const Real sign = onwards ? 1_r : -1_r;
         const Vec3 along = rotate(world.pose(cast.shuttle).rotation, Vec3{0.75_r * sign, 0_r, 0_r});
         turn.must(world.set_velocity(cast.shuttle, along, {}));
-        turn.must(world.set_velocity(cast.lift, {0_r, 0.475_r * sign, 0_r}, {})); // to 1.9 m
+        turn.must(world.set_velocity(cast.lift, {0_r, 0.475_r * sign, 0_r}, {})); // up to 1.9 m
     }
 };
 

@@ -1,4 +1,4 @@
-// Humans stand in the air above a flight of stairs, fall, tumble down and heap up before a wall. Players' balls wait
+// Humans start in the air above a flight of stairs, fall, tumble down and pile up at a wall. Players' balls start
 // below.
 #include "lockstone/math/math.h"
 #include "lockstone/math/random.h"
@@ -19,7 +19,8 @@ class Ragdolls final : public BallScene {
     Result<World> start() const override {
         WorldDef def = world_for(ragdoll_part_count * options.size + options.players, options.seed);
         def.shapes_max += step_count;
-        def.substeps = 16; // with 8 a foot that is pinned at its limit trembles and keeps the heap awake
+        // With 8 substeps a foot that is pinned at its limit trembles and keeps the heap awake.
+        def.substeps = 16;
         def.joints_max = ragdoll_part_count * options.size;
         GameSchema schema;
         add_players(schema);
@@ -44,12 +45,12 @@ class Ragdolls final : public BallScene {
         return {x, ball_radius, floor_end - 1.2_r};
     }
 
-    /// Over a wall, or down behind the landing, from where there is no way back.
+    /// True beyond the walls or behind the landing, from where no way leads back.
     bool is_out(Vec3 position) const override {
         return position.z < -2.5_r || position.z > floor_end + 1_r || abs(position.x) > half_width + 1_r;
     }
 
-    /// Rows of four above the upper steps, each higher than the one before.
+    /// Rows of four above the upper steps, each row higher than the one before.
     static Transform place(std::uint32_t i, Random& random) {
         const std::uint32_t row = i / abreast;
         const Real x = 2_r * Real(i % abreast) - 3_r + random.range(-0.2_r, 0.2_r);
@@ -58,7 +59,8 @@ class Ragdolls final : public BallScene {
         return at({x, y, 0.3_r * Real(row % 3)}, from_axis_angle(up, turn));
     }
 
-    /// Down along +z from a landing, a wall behind the landing, beside the steps and across the floor below.
+    /// Stairs that lead down along +z from a landing, and walls behind the landing, beside the steps and across the
+    /// floor below.
     static void build_stairs(Builder& build) {
         const BodyId stairs =
             build.body({.kind = BodyKind::static_, .user_key = user_key_of(Role::terrain, 1)},

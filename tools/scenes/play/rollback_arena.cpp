@@ -1,6 +1,6 @@
-// 72 bodies: the arena, 64 mixed props, four balls of which the players drive the first two to four, a sweeper and
-// two pillars. Players roll, jump and push; who touches a prop owns it; one is "it" until he tags another; every two
-// seconds a geyser throws a prop. Scores, owners, cooldowns and the random stream are game state like any other.
+// 72 bodies: the arena, 64 mixed props, four balls (the players drive the first two to four), a sweeper and two
+// pillars. Players roll, jump and push. A player who touches a prop owns it. One player is "it" until he tags another.
+// Every two seconds a geyser throws a prop. Scores, owners, cooldowns and the random stream are ordinary game state.
 #include "lockstone/math/random.h"
 #include "scenes/balls.h"
 
@@ -19,7 +19,7 @@ struct Match {
     std::array<std::uint32_t, ball_count> jump_ready; ///< the first tick at which the player may jump again
     std::array<std::uint32_t, ball_count> push_ready;
     std::uint32_t tag_ready;
-    std::uint32_t it; ///< the player who is "it"
+    std::uint32_t it; ///< index of the player who must tag another
     Random random;
     friend bool operator==(const Match&, const Match&) = default;
 };
@@ -34,9 +34,9 @@ struct Cast {
 };
 template <class V> constexpr void describe(Cast& c, V&& v) { v("balls", c.balls), v("props", c.props); }
 
-/// Of a prop: the player who touched it last, and how often it changed hands.
+/// The claim on a prop: the player who touched it last, and the number of times that its owner changed.
 struct Claim {
-    std::uint32_t owner; ///< player + 1; 0 for nobody
+    std::uint32_t owner; ///< player + 1; 0: no owner
     std::uint32_t changes;
 };
 template <class V> constexpr void describe(Claim& c, V&& v) { v("owner", c.owner), v("changes", c.changes); }
@@ -103,14 +103,14 @@ void build_machines(Builder& build) {
 
 // ---- the rules ------------------------------------------------------------------------------------------------
 
-/// True while the distance of two centres is below `limit`, which is at most 100 m.
+/// True if the distance of two centres is below `limit`, which is at most 100 m.
 bool within(Vec3 a, Vec3 b, Real limit) {
     const Vec3 apart = a - b;
-    if (abs(apart.x) >= limit || abs(apart.z) >= limit) return false; // most are
+    if (abs(apart.x) >= limit || abs(apart.z) >= limit) return false; // true for most pairs
     return length_squared(apart) < limit * limit;
 }
 
-/// From the floor alone.
+/// Jumps only from the floor.
 void jump(Turn& turn, BodyId ball) {
     constexpr Real floor_gap = 0.1_r;
     if (turn.world.pose(ball).position.y <= ball_radius + floor_gap) leap(turn, ball);
@@ -122,7 +122,8 @@ void push(Turn& turn, const Cast& cast, BodyId ball) {
     for (const BodyId prop : cast.props) throw_away(turn, from, prop);
 }
 
-/// Where the props are, found once for all players: who pushes one in this tick moves it in the next.
+/// The positions of the props, read once for all players. A push applies a velocity, so it changes positions only in
+/// the next tick.
 using Places = std::array<Vec3, prop_count>;
 
 void capture(Turn& turn, const Cast& cast, const Places& places, Match& match, std::uint32_t player) {
@@ -165,7 +166,8 @@ class RollbackArena final : public Scene {
         GameSchema schema;
         const Columns made = add_columns(schema);
         WorldDef def = world_for(prop_count + ball_count, options.seed);
-        // Nobody comes or goes, so the tables are exactly full: columns of full tables are saved in one copy.
+        // The number of bodies never changes, so the tables have exactly this capacity: full tables are saved in one
+        // copy.
         def.bodies_max = prop_count + ball_count + 4;
         def.shapes_max = def.bodies_max + 4;
         Builder build(def, schema);

@@ -1,4 +1,4 @@
-// A basin of water with a current, under a wind: boats with sails, crates, and a ball of each density.
+// A basin of water with a current and a wind: boats with sails, crates, and balls of several densities.
 #include "lockstone/math/random.h"
 #include "scenes/scene.h"
 
@@ -44,7 +44,7 @@ class Water final : public Scene {
         wall({half_side, high, 0.5_r}, {0_r, high, far});
     }
 
-    /// From cork to stone, a tenth of water's density apart.
+    /// Balls from a tenth of the density of water upwards, each a tenth of it denser than the last.
     static void add_balls(Builder& build) {
         for (std::uint32_t i = 0; i < balls; ++i)
             build.body({.pose = at({Real(i) * 1.6_r - 8_r, depth + 1_r, -11_r}),
@@ -52,7 +52,7 @@ class Water final : public Scene {
                        {.geometry = sphere(0.5_r), .density = Real(100 * (i + 1))});
     }
 
-    /// A hull of boards, ballast below, a mast and a sail that the wind blows on.
+    /// A hull of boards, ballast below, a mast, and a sail for the wind.
     static void add_boat(Builder& build, std::uint32_t number) {
         const BodyId boat = build.body({.pose = at({-10_r, depth + 0.2_r, Real(number) * 7_r - 5_r}),
                                         .user_key = user_key_of(Role::player, number)},
@@ -70,7 +70,8 @@ class Water final : public Scene {
         for (std::uint32_t i = 0; i < options.size; ++i) {
             const Real height = depth + 1_r + Real(i / 16) * 1.2_r;
             const Vec3 place{random.range(-8_r, 12_r), height, random.range(-6_r, 12_r)};
-            // One after another: the order in which arguments of a call are made is the compiler's.
+            // The numbers are drawn in separate statements: C++ leaves the order of the arguments of a call to the
+            // compiler.
             const Real size = random.range(0.25_r, 0.55_r), density = random.range(200_r, 900_r);
             const Real tilt = random.range(-1_r, 1_r), turn = random.range(-3_r, 3_r);
             build.body(
