@@ -64,9 +64,11 @@ struct ContactPoint {
     Vec3 point;            ///< at the start of the tick, world [m]
     UnitVec3 normal;       ///< from a to b
     Separation separation; ///< gap at the start of the tick [m], negative: overlap
-    Speed impulse;         ///< normal impulse of a substep divided by the reduced mass of the bodies [m/s]
-    SurfacePart part_a,    ///< touched part of shape_a
-        part_b;            ///< touched part of shape_b
+    /// Normal impulse of the last substep, and of elastic impacts in the tick, divided by the reduced mass of the
+    /// bodies [m/s]
+    Speed impulse;
+    SurfacePart part_a, ///< touched part of shape_a
+        part_b;         ///< touched part of shape_b
 };
 
 } // namespace lockstone

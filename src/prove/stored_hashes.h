@@ -1,4 +1,4 @@
-// The hashes that self_test() compares with: of each world after each tick. tools/refresh writes this file.
+// The hashes of each world after each tick, with which self_test() compares. tools/refresh writes this file.
 #pragma once
 
 #include <cstdint>
@@ -7,16 +7,16 @@ namespace lockstone::proofs {
 
 // clang-format off
 inline constexpr std::uint64_t stored_hashes[] = {
-    0xca922891149b11e5u, 0x7a9a886113e8dd22u, 0x2383b324c3c99ebfu, 0x058c1cc8a500bf9du, 0x71c88f46527169cbu, 0x073e502edb1ef19fu,
-    0xf0fb433275c2c288u, 0x18ef8eac233a3087u, 0x2655538b21c01c84u, 0x3d8ab71e63449d75u, 0x343940e651c76b45u, 0xb7e9bd4430a13c18u,
-    0x429061066bdf0d1eu, 0x52faf69fc76b7c1bu, 0xa6b4cec72939d26du, 0x6d161fb736d5d36du, 0x63719a8c5fc9c0d5u, 0x4653d607b59b1110u,
-    0xf9380a963d851b6bu, 0xc54a65462fc7fdeau, 0xc34feb69c677d87cu, 0xfb0c0f852f58ebcfu, 0xf27644e78bb7404eu, 0x5b9fb33c8e7d6b29u,
-    0x777e594384199c14u, 0xf723572c64196e13u, 0x20c17df6dc09b4d4u, 0xbd53ee73e1550bd3u, 0x9ce29b77d8eeb746u, 0xe225e8460cc74102u,
-    0x18f142b520296a60u, 0xc9f16ef5cc608d89u, 0xabf720815f632946u, 0x9113652aa7a2e9d8u, 0xed06175dcd8df423u, 0x81fe386a81db5324u,
-    0xe0636d7ffc0c024fu, 0xa87c6853c758e677u, 0x76c0a044492a3fb5u, 0x97277cc83f147242u, 0x0ba669ad7ba8f1beu, 0xb56cf4f4b910318bu,
-    0x866cef2bc3b1eb3fu, 0xc48d1e35ab9efbacu, 0x9c7473edff215eceu, 0x2f76c95b0f17b596u, 0x3ad0db4211cf5734u, 0xb87d4f7bb56265e1u,
-    0x8f2a79148e504b5fu, 0x22a4c6bfc4cea448u, 0x365b46fdaef30b56u, 0xf3a7a47d6df9186bu, 0xf6bd7120b9d2faceu, 0x437057becabb42fbu,
-    0xf24ff4b5e9bde5ddu, 0xa1e1621d0433fd51u, 0x73ad89f4cbb85a9cu, 0xeff51376353496afu, 0xf80757ce9b680ba8u, 0x9b33ca691b4a1612u,
+    0xca922891149b11e5u, 0x7a9a886113e8dd22u, 0x842b6037149accfbu, 0xa86e870f5666b62au, 0x708388631277f3cfu, 0x73261bd1e0e920d1u,
+    0xccee2f48e31f4f32u, 0xa2e49ee0df275c02u, 0xf0f29d584190805cu, 0x1fee19dacc8ddd61u, 0x48f0bd9cd9634ac9u, 0x7ea5a18c0bac6967u,
+    0x5beb5b0ba0c506adu, 0xe7d192df329cebbeu, 0xff9da7e2973a727eu, 0x956d9bd8cc90a2a7u, 0xaf92f6cc9a2784beu, 0xe82764eb822a9b45u,
+    0x9d76b2773ee83600u, 0xc71bde28de6ddfb6u, 0x7951dd34a6c7ae85u, 0xfb5c14609d37baffu, 0xc8a8575d952ebec6u, 0xe1a5967426b0705du,
+    0x8ecd9950100c79f7u, 0x2a5678666e256e2cu, 0xf78b0efa1d455e04u, 0x2dd9e9863884ac3cu, 0x2e0595d48686ab37u, 0x14170fc81e1a1fe9u,
+    0x79bec4249f2dad14u, 0x6b456be1c47ad531u, 0x1a2f4b726f86d805u, 0x8928413c805cbba8u, 0x3d166bd701c23ec1u, 0x1c9a7d98840c8f6cu,
+    0x88d454f79d151377u, 0xe1733d2c125c398bu, 0x137509b23696cf80u, 0x2047cde279470c85u, 0x66f2ed04e7de72dau, 0x940c0c967ba29bdfu,
+    0xa2a6a311a18ce101u, 0xe34b34df0a566e76u, 0x0a41b27eb0efa6b0u, 0xfb030a7aa22a040cu, 0xced3954e0116c8c1u, 0x7df8e3162f5bc9bfu,
+    0x6f4dae7b5df811c3u, 0xd0a8ebfaab73a6f4u, 0xfb9caa40c5a598ceu, 0x9125f1657612a6cbu, 0xb90008ab02c3b653u, 0x542bc98e042e005eu,
+    0x7a8fe507eddf7463u, 0x14fdc9e072d4d256u, 0x035432cba4e357aau, 0x8ab1e6e8ef864787u, 0x8ebe1718e874594cu, 0x4a7bc5978e6dd33eu,
 };
 // clang-format on
 

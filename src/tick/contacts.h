@@ -1,4 +1,4 @@
-// Manifolds of the pairs that are near, and the contacts made of them.
+// Manifolds of the near pairs, and the contacts made of them.
 #pragma once
 
 #include "collide/narrow_phase.h"
@@ -13,50 +13,55 @@
 
 namespace lockstone::sim {
 
-/// What collide() finds.
+/// Output of collide().
 struct FoundContacts {
-    std::vector<ContactResult> results;    ///< of pairs that are near, in pair order
-    std::vector<solve::Contact> contacts;  ///< for the solver, in row order
-    std::vector<solve::ContactHead> heads; ///< of these
-    void reserve(std::size_t rows) { results.reserve(rows), contacts.reserve(rows), heads.reserve(rows); }
-    std::uint32_t dropped; ///< rows that the table had no room for, and one for all pairs not looked at
+    std::vector<ContactResult> results;        ///< of near pairs, in pair order
+    std::vector<solve::Contact> contacts;      ///< for the solver, in row order
+    std::vector<solve::ContactHead> heads;     ///< of `contacts`, in the same order
+    std::vector<solve::ContactImpact> impacts; ///< elastic impacts of the tick, in row order
+    void reserve(std::size_t rows) {
+        results.reserve(rows), contacts.reserve(rows), heads.reserve(rows), impacts.reserve(rows);
+    }
+    std::uint32_t dropped; ///< rows for which the table had no room, plus one if NearPairs::is_cut
 };
 
-/// What a chunk of pairs makes, before it is known where it goes: rows count from the chunk's own first.
+/// Output of one chunk of pairs. Rows count from the chunk's own first row, as its place in the table is not yet
+/// known.
 struct NearChunk {
     std::vector<ContactMemory> memories; ///< of the pairs whose rows are new, in order
     std::vector<ContactResult> results;
     std::vector<solve::Contact> contacts;
     std::vector<solve::ContactHead> heads;
     std::uint32_t row_count;                              ///< of its results
-    std::uint32_t first_row, first_contact, first_result; ///< where it goes
+    std::uint32_t first_row, first_contact, first_result; ///< its place among all chunks
     void reserve(std::size_t rows) {
         memories.reserve(rows), results.reserve(rows), contacts.reserve(rows), heads.reserve(rows);
     }
 };
 
-/// Some pairs at once, side by side in lanes: those of the last tick's manifolds, then those of new ones.
+/// A batch of pairs for the lane kernel: first the rows of manifolds of the last tick, then rows of new manifolds.
 struct PairWindow {
     static constexpr std::uint32_t pairs_max = 16, rows_max = 2 * pairs_max * collide::Manifolds::max;
-    std::uint32_t count; ///< rows
+    std::uint32_t count; ///< rows in use
     std::array<solve::PairLane, pairs_max> pairs;
     std::array<solve::PairRow, rows_max> rows;
     std::array<solve::PairPlace, rows_max> places;
     std::array<solve::PairContact, rows_max> contacts;
-    std::array<std::uint8_t, rows_max> serves;
+    std::array<std::uint8_t, rows_max> serves; ///< 1: the row's old manifold is still valid
 };
 
-/// What a worker of the narrow phase needs for itself.
+/// Scratch memory of one worker of the narrow phase.
 struct alignas(64) NarrowWorker {
     collide::NarrowScratch narrow;
     collide::Manifolds manifolds;
     PairWindow window;
-    struct Mean { ///< geometric, of the last two coefficients that differed: a root is worth keeping
+    /// The geometric mean of the last two different coefficients: the cache saves a square root.
+    struct Mean {
         Real a{}, b{}, value{};
     } mean;
 };
 
-/// Memory of collide().
+/// Scratch memory of collide().
 struct ContactScratch {
     struct RowMove {
         std::uint32_t from, to, count;
@@ -68,7 +73,7 @@ struct ContactScratch {
     const solve::PairKernel* pair_kernel = solve::kernels_of(best_simd())->pairs;
     base::Paths paths; ///< of the tick
 
-    /// As one thread needs it, which makes one chunk of all pairs.
+    /// Reserves for one thread, which puts all pairs into one chunk.
     void reserve(std::size_t rows) {
         row_moves.reserve(rows);
         if (chunks.empty()) chunks.emplace_back();
@@ -76,17 +81,17 @@ struct ContactScratch {
     }
 };
 
-/// Manifolds of the pairs, made anew or used again, and their contacts. `table`: the contact table of the last tick becomes that
-/// of this one. `movers`: contacts that are theirs are not solved. Hints of the pairs are renewed; what is dropped is counted in
-/// the state.
+/// Computes the manifolds of all pairs, or reuses those of the last tick, and makes their contacts. Turns `table`,
+/// the contact table of the last tick, into the table of this tick. Makes no solver contacts for contacts that the
+/// characters in `movers` handle themselves. Updates the hints of the pairs, and counts dropped rows in the state.
 void collide(Model& w, const PlacedShapes& placed, const CharacterScratch& movers, NearPairs& near,
              ContactList& table, ContactScratch& scratch, FoundContacts& out, Tasks* tasks);
-/// Whether a pair would have contact points now.
+/// Returns true if a pair would have contact points at the current poses.
 bool has_contact_points(const Model& w, const PlacedShapes& placed, const NearPair& near,
                         ContactScratch& scratch);
 
-/// What the chunks of collide() made becomes the contact table. (contact_table.cpp)
-/// `is_cut`: there were more pairs than were looked at.
+/// Builds the contact table from the chunks of collide(). (contact_table.cpp)
+/// `is_cut`: the list of near pairs was longer than the limit and was cut.
 void place_contacts(Model& w, bool is_cut, std::span<NearChunk> chunks, ContactList& table,
                     ContactScratch& scratch, FoundContacts& out, Tasks* tasks);
 

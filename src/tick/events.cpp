@@ -1,4 +1,4 @@
-// What a tick reports: which pairs began or ceased to touch, and the points where they do.
+// Events of a tick: pairs that began or ceased to touch. Also the contact points of the pairs that touch.
 #include "tick/events.h"
 
 #include "base/room.h"
@@ -13,7 +13,7 @@ namespace lockstone::sim {
 
 namespace {
 
-/// Bodies of destroyed shapes are null.
+/// The bodies of destroyed shapes are null.
 Event event_of(const Model& w, const ContactKey& key, std::uint32_t flags, bool begin) {
     const bool sensor = (flags & solve::contact_sensor) != 0;
     const bool swap = (flags & solve::contact_sensor_is_b) != 0;
@@ -32,7 +32,7 @@ Event event_of(const Model& w, const ContactKey& key, std::uint32_t flags, bool 
     return e;
 }
 
-/// Where the key's a and b touch.
+/// The parts of the key's shapes a and b that touch.
 struct Parts {
     SurfacePart a, b;
 };
@@ -43,7 +43,7 @@ Parts parts_of(const Model& w, const PlacedShapes& placed, const ContactKey& key
             part_of(w, placed, key.b, flipped ? memory.piece_a : memory.piece_b)};
 }
 
-/// That a pair began or ceased to touch, if it did.
+/// Appends an event if a pair began or ceased to touch.
 void publish_change(const Model& w, const PlacedShapes& placed, const ContactResult& result,
                     const ContactList& table, std::vector<Event>& events) {
     if (result.is_touching == result.was_touching) return;
@@ -59,7 +59,7 @@ void publish_change(const Model& w, const PlacedShapes& placed, const ContactRes
     events.push_back(e);
 }
 
-/// Of bodies that slept when the last tick ended.
+/// Appends an event for each body that woke: its sleep row still has an island.
 void publish_waking(Model& w, std::vector<Event>& events) {
     const std::span<const BodySleep> sleep = w.state.rows(w.m.body_sleep).first(w.header().bodies_awake);
     for (std::uint32_t row = 0; row < sleep.size(); ++row) {
@@ -91,19 +91,24 @@ void find_contact_points(const Model& w, const PlacedShapes& placed, const Poses
     std::size_t count = 0;
     for (const solve::Contact& c : found.contacts) count += c.count;
     base::make_room(out.list, count), base::make_room(out.bodies, count);
+    auto impact = found.impacts.begin();
     for (const solve::Contact& c : found.contacts) {
+        const auto index = static_cast<std::uint32_t>(&c - found.contacts.data());
+        const bool is_hit = impact != found.impacts.end() && impact->contact == index;
         const bool flipped = (memories[c.memory].flags & solve::contact_flipped) != 0;
         const auto body_of = [&](ShapeId shape) { return w.state.rows(w.m.shape)[w.row_of(shape)].body; };
         const std::array<BodyId, 2> bodies{body_of(keys[c.memory].a), body_of(keys[c.memory].b)};
         const std::uint32_t body_b = w.row_of(bodies[flipped ? 0 : 1]);
         const Parts parts = parts_of(w, placed, keys[c.memory], memories[c.memory]);
         for (std::uint32_t k = 0; k < c.count; ++k) {
+            const Speed impulse = memories[c.memory].points[k].normal;
             out.bodies.push_back(bodies);
             out.list.push_back({keys[c.memory].a, keys[c.memory].b,
                                 before.of(w, body_b).position + to<Real>(c.points[k].lever_b),
                                 flipped ? -c.normal : c.normal, c.points[k].separation,
-                                memories[c.memory].points[k].normal, parts.a, parts.b});
+                                is_hit ? impulse + impact->impulse[k] : impulse, parts.a, parts.b});
         }
+        if (is_hit) ++impact;
     }
 }
 
@@ -121,7 +126,7 @@ void points_of(ContactPoints& points, BodyId body, std::vector<ContactPoint>& ou
 
 void publish_events(Model& w, const PlacedShapes& placed, const NearPairs& near, const FoundContacts& found,
                     std::span<const Event> landings, const ContactList& table, std::vector<Event>& events) {
-    events.reserve(64); // what a usual tick has, so that one with more than ever seldom allocates
+    events.reserve(64); // a usual number, so that a tick with more events than ever before seldom allocates
     for (const ContactResult& result : near.ended) publish_change(w, placed, result, table, events);
     for (const ContactResult& result : found.results) publish_change(w, placed, result, table, events);
     if (found.dropped != 0) publish_drop(w, events);

@@ -1,5 +1,5 @@
-// What a tick leaves behind and no later one may see, overwritten: for tests, proofs and debug builds. Every member of the
-// scratch is named here, or this does not compile.
+// Overwrites scratch memory that no later tick may read, for tests, proofs and debug builds. The structured bindings
+// below name every member, so a new member that is missing here does not compile.
 #include "base/poison.h"
 #include "tick/tick.h"
 
@@ -14,7 +14,8 @@ void poison_narrow(std::byte with, collide::NarrowScratch& scratch, collide::Man
     poison(with, triangles, parts, pieces, order, found);
 }
 
-/// Of what is awake, which every tick places anew. What rests stays where it was placed; so do the other caches.
+/// Poisons the shapes of awake bodies, which every tick places again. Resting shapes stay as they were placed, and so
+/// do the other caches.
 void poison_shapes(std::byte with, PlacedShapes& placed) {
     auto& [solids, broad_phase, kernel, structure_stale, is_current, shape, planes, proxy_generation,
            proxies_of, awake_before, solids_replaced, changed, is_told, paths] = placed;
@@ -37,7 +38,7 @@ void poison_query(std::byte with, QueryScratch& query) {
     }
 }
 
-/// The hints of pairs are forgotten.
+/// Clears the hints of pairs.
 void poison_pairs(std::byte with, PairScratch& scratch, NearPairs& found) {
     auto& [pairs, plane_pairs, merged_pairs, at_plane, keys, near_counts, of_chunks, before, joined,
            filters_of, changed, paths] = scratch;
@@ -49,8 +50,8 @@ void poison_pairs(std::byte with, PairScratch& scratch, NearPairs& found) {
 
 void poison_contacts(std::byte with, ContactScratch& scratch, FoundContacts& found) {
     auto& [chunks, row_moves, workers, pair_kernel, paths] = scratch;
-    auto& [results, contacts, heads, dropped] = found;
-    poison(with, row_moves, results, contacts, heads, dropped);
+    auto& [results, contacts, heads, impacts, dropped] = found;
+    poison(with, row_moves, results, contacts, heads, impacts, dropped);
     for (NearChunk& chunk : chunks) {
         auto& [memories, chunk_results, chunk_contacts, chunk_heads, row_count, first_row, first_contact,
                first_result] = chunk;

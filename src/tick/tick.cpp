@@ -1,6 +1,7 @@
-// One tick, on one screen. Everything from outside came in as commands before it (apply.cpp); everything that leaves,
-// leaves as event arrays at the bottom. Each phase is a pure function of the columns and of this tick's scratch.
-// Where a phase takes tasks, workers share it: each writes what no other reads, and what they made is put together in order.
+// One tick, on one screen. All input arrives as commands before it (apply.cpp), and all output leaves as event arrays
+// at its end. Each phase is a pure function of the columns and of this tick's scratch memory. A phase that takes
+// tasks is shared by workers: each worker writes data that no other worker reads, and the results are joined in a
+// fixed order.
 #include "tick/tick.h"
 
 #include "base/parallel.h"
@@ -21,12 +22,12 @@ namespace {
 #ifdef NDEBUG
 constexpr bool poisons_scratch = false;
 #else
-/// What reads before it writes shows. In every second tick: poisoning forgets the hints of pairs, and the ways that they open are to
-/// be walked under sanitizers too.
+/// Poisoning reveals code that reads scratch memory before writing it. It runs in every second tick only, since it
+/// also clears the hints of pairs, and sanitizers should cover the code that uses the hints too.
 constexpr bool poisons_scratch = true;
 #endif
 
-/// One tick at work: the state, and what its phases hand to each other.
+/// The arguments of one tick, which its phases share.
 struct Tick {
     Model& w;
     PlacedShapes& placed;
@@ -35,24 +36,25 @@ struct Tick {
     const TickHooks& hooks;
 };
 
-/// For profilers: nothing but a name leaves, and nothing comes back.
+/// Reports the end of a phase to a profiler. The observer gets only a name and returns nothing.
 void passed(const Tick& t, const char* phase) {
     if (t.hooks.observer != nullptr) t.hooks.observer->on_phase(phase);
 }
 
-/// The hash of the whole state between phases, for finding where two runs part. Off by default.
+/// Stores the hash of the whole state between phases, to find where two runs diverge. Off by default.
 void checkpoint(const Tick& t, const char* phase) {
     passed(t, phase);
     if (t.hooks.phase_hashes) t.out.phase_hashes.push_back({phase, t.w.state.hash()});
 }
 
-/// While a tick works on the contacts, the state holds those of the last one; a hash is of all that is known.
+/// While a tick works on the contacts, the state still holds those of the last tick. So this writes the contact table
+/// to the state before the hash.
 void checkpoint_with_contacts(const Tick& t, const char* phase) {
     if (t.hooks.phase_hashes) t.s.table.write(t.w.state, t.w.m.contacts, t.hooks.tasks);
     checkpoint(t, phase);
 }
 
-/// The same from tick to tick while the settings are. Whether they were made anew.
+/// Computes the constants of a step if the settings have changed. Returns true if it did.
 bool find_constants(const Config& c, TickScratch& s) {
     const solve::StepSettings now{static_cast<std::int32_t>(c.tick_rate),
                                   static_cast<std::int32_t>(c.substeps),
@@ -70,7 +72,7 @@ bool find_constants(const Config& c, TickScratch& s) {
     return true;
 }
 
-/// Bounds and pairs, again while something awake wakes what it touches.
+/// Updates bounds and finds pairs; repeats this while an awake body wakes bodies that it touches.
 void find_near(const Tick& t, const Scene& scene) {
     TickScratch& s = t.s;
     bool again = false;
@@ -90,15 +92,15 @@ solve::FreeMotion motion_of(const Tick& t) {
     return {static_cast<solve::Scheme>(t.w.config().integrator), t.s.fields.pulls, t.s.fields.categories};
 }
 
-/// Whether nothing but contacts, gravity, forces and damping changes velocities in this tick.
+/// Returns true if only contacts, gravity, forces and damping change velocities in this tick.
 bool contacts_are_alone(const Tick& t) {
     const Model& w = t.w;
     return solve::is_plain_motion(motion_of(t)) && w.state.rows(w.m.field).empty() &&
            w.state.rows(w.m.vehicle).empty() && t.s.joints.all.empty();
 }
 
-/// What is done to contacts and what is done to joints, neither of which the other one looks at: at the same time where both are many, for each
-/// of the two has parts that cannot be shared.
+/// Runs `contacts` on the contacts and `joints` on the joints; neither reads data that the other writes. If both sets
+/// are large, the two run at the same time, as each has parts that workers cannot share.
 template <class OfContacts, class OfJoints>
 void both_sets(const Tick& t, const OfContacts& contacts, const OfJoints& joints) {
     constexpr std::size_t many = 64;
@@ -111,7 +113,7 @@ void both_sets(const Tick& t, const OfContacts& contacts, const OfJoints& joints
     joints(tasks);
 }
 
-/// The pushes of wheels on bodies that move.
+/// Lists the loads of wheels on bodies that move.
 void list_wheel_loads(std::span<const solve::DrivenVehicle> driven, const solve::SolverBodies& bodies,
                       std::vector<solve::Load>& out) {
     out.clear();
@@ -121,7 +123,7 @@ void list_wheel_loads(std::span<const solve::DrivenVehicle> driven, const solve:
                 out.push_back({ground.body, v.chassis, -ground.normal});
 }
 
-/// From rows of the state to what the solver works on.
+/// Converts rows of the state to the solver's data.
 void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& columns) {
     TickScratch& s = t.s;
     Model& w = t.w;
@@ -166,14 +168,16 @@ void substep(const Tick& t, const solve::FreeMotion& motion, const solve::BodyCo
     s.joint_solver.warm_start(s.step, s.bodies, tasks);
     s.vehicle_solver.warm_start(s.step, s.bodies);
     s.contacts.warm_start(s.bodies, tasks);
+    s.contacts.rebound(s.step, s.bodies);
     passed(t, "warm_start");
-    // Contacts first: what a warm start after an impact gave too much is taken back before joints pull at it.
+    // Contacts come first: they take back the excess of a warm start after an impact before joints react to it.
     s.contacts.solve(s.step, s.bodies, /*bias=*/true, tasks);
     passed(t, "solve_contacts");
     s.joint_solver.solve(s.step, s.bodies, /*bias=*/true, tasks);
     s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/true);
     passed(t, "solve_joints");
     integrate_poses(s.step, s.bodies, tasks);
+    s.contacts.end_ways(s.bodies);
     passed(t, "integrate");
     s.joint_solver.update(s.step, s.bodies, tasks);
     passed(t, "update_joints");
@@ -203,22 +207,18 @@ void solve_substeps(const Tick& t, const solve::BodyColumns& columns) {
     passed(t, "solve_contacts");
 }
 
-/// What the solver found goes into the contact table and the state.
+/// Stores the solver's results in the contact table and the state.
 void store(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
-    const bool bounces = s.contacts.has_bounces(); // off bodies where joints have put them
-    if (bounces) {
-        s.joint_solver.close(s.step, s.bodies);
-        s.contacts.apply_restitution(s.step, s.bodies);
-    }
     const std::span<JointMemory> memory = w.state.edit(w.m.joint_memory, 0, w.header().joints_awake);
     both_sets(
         t, [&](Tasks* by) { s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, by); },
         [&](Tasks* by) {
-            if (!bounces) s.joint_solver.close(s.step, s.bodies);
+            s.joint_solver.close(s.step, s.bodies);
             s.joint_solver.store_points(memory, by);
         });
+    s.contacts.list_impacts(s.found.impacts);
     s.joint_solver.store(memory, s.bodies, s.bodies.clamps, t.hooks.tasks);
     s.vehicle_solver.store(s.step, s.bodies, s.vehicles.driven());
     s.vehicles.store(w);
@@ -238,7 +238,7 @@ void finish(const Tick& t) {
     faults.impulse_clamped += s.bodies.clamps.impulse;
 }
 
-/// Contacts go back to the state, then who rests falls asleep.
+/// Writes the contacts back to the state; then bodies that rest fall asleep.
 void update_sleep(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
@@ -254,13 +254,13 @@ void update_sleep(const Tick& t) {
 
 // ---- the paths that a tick took --------------------------------------------------------------------------------
 
-/// Calls visit(paths) for the sets of the phases, which the solvers do not keep for themselves.
+/// Calls visit(paths) for the sets of the phases. The solvers keep their own sets.
 template <class Visit> void for_each_paths(const Tick& t, const Visit& visit) {
     TickScratch& s = t.s;
     visit(t.placed.paths), visit(t.placed.broad_phase.paths), visit(s.pair_scratch.paths);
     visit(s.contact_scratch.paths), visit(s.table.paths), visit(s.sweep.paths), visit(s.bodies.paths);
 }
-/// A call between ticks may take a path too: it belongs to no tick.
+/// Clears the sets first: calls between ticks may have added paths that belong to no tick.
 void begin_paths(const Tick& t) {
     TickScratch& s = t.s;
     s.contacts.take_paths(s.paths), s.joint_solver.take_paths(s.paths);

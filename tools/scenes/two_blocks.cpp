@@ -1,5 +1,5 @@
-// The scene of figures 1 to 4 of the thesis that this engine grew from: two blocks in the air get initial forces and
-// torques; the first bounces off the ground into the second; they part, meet the ground again and settle.
+// The scene of figures 1 to 4 of the thesis from which this engine grew. Two blocks in the air get initial forces and
+// torques. The first bounces off the ground into the second; they part, reach the ground again and come to rest.
 #include "scenes/scene.h"
 
 namespace lockstone::scenes_detail {
@@ -10,7 +10,7 @@ struct Cast {
 };
 template <class V> constexpr void describe(Cast& c, V&& v) { v("first", c.first), v("second", c.second); }
 
-/// The initial forces last this long, as a hand's push does [ticks].
+/// The initial forces act for this long, like the push of a hand [ticks].
 constexpr std::uint64_t push_ticks = 6;
 
 class TwoBlocks final : public Scene {
@@ -29,7 +29,7 @@ class TwoBlocks final : public Scene {
         blocks.first =
             build.body({.pose = at({-0.3_r, 3_r, 0_r}), .user_key = user_key_of(Role::prop, 0)}, block);
         blocks.second =
-            build.body({.pose = at({0.5_r, 5.2_r, 0.1_r}), .user_key = user_key_of(Role::prop, 1)}, block);
+            build.body({.pose = at({0_r, 5.6_r, 0.1_r}), .user_key = user_key_of(Role::prop, 1)}, block);
         build.record(cast, blocks);
         return std::move(build).finish();
     }

@@ -1,4 +1,5 @@
-// The motion of bodies by an instruction set: of those that gravity, contacts and joints alone move, within their limits.
+// The motion of bodies in lanes of an instruction set: of bodies that only gravity, contacts and joints move, within
+// their limits.
 #pragma once
 
 #include "lockstone/math/vec.h"
@@ -14,32 +15,33 @@ struct BodyInfo;
 struct GyrationForm;
 struct Velocity;
 
-/// Which steps of a body a kernel may take.
+/// The steps of a body that a kernel may do.
 enum PlainMotion : std::uint8_t {
-    plain_velocity = 1, ///< gravity and damping alone change it: no force, torque, lock or field
-    plain_pose = 2,     ///< it moves, by its velocity alone
+    plain_velocity = 1, ///< gravity and damping alone change its velocity: no force, torque, lock or field
+    plain_pose = 2,     ///< it moves by its velocity alone
     plain_end = 4,      ///< dynamic, turns about all axes and is not followed
-    plain_round =
-        8, ///< no turn of the tick changes its angular velocity: alike about all axes, or not gyroscopic
-    plain_damped = 16, ///< it is damped
-    plain_falls = 32,  ///< it is pushed by gravity alone, as most are
+    /// the turn of the tick does not change its angular velocity: equal radii about all axes, or not gyroscopic
+    plain_round = 8,
+    plain_damped = 16, ///< damping changes its velocity
+    plain_falls = 32,  ///< gravity alone pushes it, as it does most bodies
+    plain_struck = 64, ///< an elastic impact changed its velocity in this tick
 };
 
-/// Bodies [first, last) of one substep, or those that `rows` has there. v and u lie one after the other in a SolverBody, and so do shift and
-/// theta: each six numbers here.
+/// Bodies [first, last) in one substep, or the bodies rows[first, last). v and u are adjacent in a SolverBody, and so
+/// are shift and theta: each pair is six numbers here.
 struct BodyPass {
     SolverBody* bodies;
     const BodyStep* steps;
     const std::uint8_t* plain; ///< PlainMotion, by body
     const std::uint32_t* rows; ///< null: all bodies in order
     std::uint32_t first, last;
-    std::int64_t dv[6]; ///< what the substep adds, 47 fraction bits
+    std::int64_t dv[6]; ///< change of a velocity in the substep, 47 fraction bits
     /// 2^k - 1: a velocity with a component outside [-2^k, 2^k) may be beyond its limit
     std::int64_t most[6];
     std::int64_t substep_time; ///< [s], 30 fraction bits
 };
 
-/// K and u of bodies that turn about all axes, when a tick begins.
+/// K and u of bodies that turn about all axes, at the start of a tick.
 struct StartPass {
     SolverBody* bodies;
     BodyStep* steps;
@@ -51,30 +53,30 @@ struct StartPass {
     std::int64_t tip_most; ///< as BodyPass::most, of a component of u with 19 fraction bits
 };
 
-/// Poses and velocities of plain_end bodies, when a tick ends.
+/// Poses and velocities of plain_end bodies, at the end of a tick.
 struct EndPass {
     const SolverBody* bodies;
     const BodyStep* steps;
     const std::uint8_t* plain;
     const BodyInfo* info;
-    const GyrationForm* forms; ///< as of StartPass
+    const GyrationForm* forms; ///< as in StartPass
     const std::uint32_t* form_of;
     Transform* poses;
     Velocity* velocities;
-    // Of bodies that are not round; all [rad], Real.
-    /// Along an axis: a longer turn changes the angular velocity
+    // For bodies that are not plain_round; all [rad], Real.
+    /// A longer turn about one of the axes changes the angular velocity
     std::int64_t least_turn;
-    /// Of the three axes together: a longer turn without torque is made in steps
+    /// A longer turn without torque, summed over the three axes, is made in steps
     std::int64_t least_free_turn;
-    /// A turn without torque is nearer than this to that of the body's own spin
+    /// A turn counts as without torque if it is nearer than this to the turn by the body's own spin
     std::int64_t free_turn_noise;
     std::int64_t tick_time; ///< [s], 30 fraction bits
-    /// A faster one is left, as Momentum::spins_above [rad/s], spin_bits
+    /// Faster bodies are skipped, see Momentum::spins_above [rad/s], spin_bits
     std::int64_t spin_most;
 };
 
-/// Each writes the bodies that it left as they were to `left`, last - first at most, and returns how many: those that are
-/// not plain, and those whose velocity may be beyond its limit.
+/// Each function writes the bodies that it skipped and did not change to `left`, at most as many as it got, and returns
+/// their number. It skips bodies that are not plain, and bodies whose velocity may be beyond its limit.
 struct BodyKernel {
     std::uint32_t (*integrate_velocities)(const BodyPass& pass, std::uint32_t* left);
     std::uint32_t (*integrate_poses)(const BodyPass& pass, std::uint32_t* left);
@@ -82,7 +84,8 @@ struct BodyKernel {
                                    std::uint32_t* left);
     std::uint32_t (*finish)(const EndPass& pass, const std::uint32_t* rows, std::uint32_t count,
                             std::uint32_t* left);
-    /// sums += velocities, and sums -= velocities, modulo 2^64: six numbers of each of the first `count` bodies, or of `rows`.
+    /// sums += velocities, and sums -= velocities, modulo 2^64: six numbers for each of the first `count` bodies, or of
+    /// `rows`.
     void (*add_velocities)(const SolverBody* bodies, std::int64_t* sums, const std::uint32_t* rows,
                            std::uint32_t count);
     void (*take_velocities)(const SolverBody* bodies, std::int64_t* sums, const std::uint32_t* rows,

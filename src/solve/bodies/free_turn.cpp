@@ -10,9 +10,10 @@ namespace lockstone::solve {
 namespace {
 
 constexpr int steps_max = 64;
-/// A step is off by about the product of its turns about e_a and about e_c: so much at most, inverse [1/rad^2].
+/// The error of a step is about the product of its turns about e_a and e_c. This is the inverse of the largest allowed
+/// product [1/rad^2].
 constexpr int steps_per_product = 16;
-/// An energy that is larger by 2^-noise_bits of it is taken for the same.
+/// An energy that is larger by up to 2^-noise_bits of itself counts as equal.
 constexpr int noise_bits = 20;
 
 int bits_of(Vec3 v) { return bit_length(magnitude(v.x.raw) | magnitude(v.y.raw) | magnitude(v.z.raw)); }
@@ -20,7 +21,7 @@ std::int64_t times(std::int64_t a, Real part) {
     return narrow_rounded(Wide::product(a, part.raw), Real::fraction_bits);
 }
 
-/// Squares of three numbers below 2^bits, which are brought to 30 bits.
+/// The squares of three numbers below 2^bits, after a shift to 30 bits.
 struct Squares {
     std::int64_t of[3], sum = 0;
 
@@ -31,7 +32,8 @@ struct Squares {
             sum += of[i] = x * x;
         }
     }
-    /// The sum changes by so much, from the first of the axes and from the second to the third, and the sum of squares / rates stays.
+    /// Changes the sum by `change`, and keeps the sum of squares / rates. Moves parts from the first axis of `order`,
+    /// and then from the second, to the third.
     void move(std::int64_t change, Vec3 rates, const int (&order)[3]) {
         const Real to_rate = rates[order[2]];
         for (const int i : {order[0], order[1]}) {
@@ -99,7 +101,7 @@ Quat FreeTurn::turned(Quat rotation, Vec3 momentum, Real per_second) const {
     return rotation;
 }
 
-/// Along the principal axes, radius times spin.
+/// Radius times spin along the principal axes.
 Vec3 FreeTurn::tip_speeds(const Rotation& axes, Vec3 momentum) const {
     return times_each(mul_transposed<Real>(axes, momentum), radii_inv);
 }
@@ -120,7 +122,7 @@ Vec3 FreeTurn::with_energy(Wide energy, Quat rotation, Vec3 momentum, Keep keep)
                                 : bits > 16 ? saturate_to_int64(size) << (2 * (30 - bits))
                                             : 0;
     if (change <= s.sum >> noise_bits) return momentum;
-    int order[3] = {0, 1, 2}; // by rates: to the axis of the least energy falls
+    int order[3] = {0, 1, 2}; // by rates: energy falls towards the last axis
     std::sort(order, order + 3, [&](int i, int j) { return rates[i] > rates[j]; });
     if (excess.is_negative()) std::swap(order[0], order[2]);
     s.move(change, rates, order);
@@ -130,6 +132,14 @@ Vec3 FreeTurn::with_energy(Wide energy, Quat rotation, Vec3 momentum, Keep keep)
         if (radii_inv[i] > Real{}) inside[i] = Real::from_raw(now[i].raw < 0 ? -root : root) / radii_inv[i];
     }
     return mul<Real>(axes, inside);
+}
+
+Vec3 FreeTurn::shortened_to_energy(Wide most, Quat rotation, Vec3 momentum, Keep keep) const {
+    if (most.is_negative()) most = Wide{};
+    const Vec3 near = with_energy(most, rotation, momentum, keep);
+    const Real now = Real::from_raw(narrow_rounded(energy(rotation, near), Real::fraction_bits)),
+               allowed = Real::from_raw(narrow_rounded(most, Real::fraction_bits));
+    return now > allowed ? near * sqrt(allowed / now) : near;
 }
 
 Quat FreeTurn::turned_exactly(Quat rotation, Vec3 momentum, Real per_second) const {

@@ -15,7 +15,7 @@ static Vec3 acceleration_of(const FieldRow& field, Vec3 point) {
     const Real distance = length(to_center);
     const Real r = softening == Real{} ? distance : sqrt(mul_add(distance, distance, softening * softening));
     if (r == Real{}) return {};
-    // strength / r^2 along to_center / r, divided in turn: r^3 would leave the range first.
+    // strength / r^2 along to_center / r, in two divisions: r^3 would leave the range first.
     const Real g = field.def.strength / r / r;
     return {g * (to_center.x / r), g * (to_center.y / r), g * (to_center.z / r)};
 }
@@ -34,7 +34,7 @@ namespace {
 /// The free motion of one body over one substep: x' = v, v' = a(x), on Real.
 struct Path {
     const FreeMotion& motion;
-    Vec3 constant; ///< gravity and force
+    Vec3 constant; ///< acceleration by gravity and force
     std::uint32_t categories;
     Vec3 x, v;
     std::int64_t substeps_per_second;
@@ -96,9 +96,10 @@ Increment change_of(const Path& p) {
     }
 }
 
-constexpr Real kick_max = Real(2048); ///< [m/s] per substep: far beyond the speed limit, far below overflow
+/// [m/s] per substep: far above the speed limit, and far below overflow
+constexpr Real kick_max = Real(2048);
 
-/// Fields or a scheme other than the solver's own: the general path, in Real.
+/// The general path in Real, for fields or for a scheme other than the solver's own.
 void move_freely(const FreeMotion& motion, const BodyTraits& traits, std::uint32_t categories,
                  Vec3 acceleration, const Transform& pose, const StepConstants& step, SolverBody& b,
                  BodyDrift& drift) {
@@ -121,7 +122,8 @@ void move_freely(const FreeMotion& motion, const BodyTraits& traits, std::uint32
     }
 }
 
-/// v keep, rounded. `keep` is at most 1, so the product of the whole units fits, and that of the rest is below 2^60.
+/// v times keep, rounded. `keep` is at most 1, so the product of the integer part has room, and that of the fraction is
+/// below 2^60.
 void damp(std::int64_t v[3], Unit keep) {
     if (keep == unit_one) return;
     constexpr std::int64_t rest = unit_one.raw - 1, half = unit_one.raw / 2;
@@ -144,7 +146,7 @@ struct SpeedLimits {
         : linear(step.linear_speed_max), tip(step.tip_speed_max) {}
 };
 
-/// Returns how many of its two velocities were clamped.
+/// Returns the number of velocities, of the two, that were clamped.
 inline std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, SpeedLimits limits) {
     SolverBody& b = bodies.body[i];
     const bool turns_less = clamp_length(b.u, limits.tip);
@@ -166,8 +168,8 @@ BodyPass pass_of(const StepConstants& step, SpeedLimits limits, SolverBodies& bo
     return pass;
 }
 
-/// Moves plain bodies of a part of a pass by the kernel, if there is one, calls visit(i) for each of the others and adds what it returns to the
-/// clamped speeds. At most body_chunk bodies.
+/// Moves the plain bodies of a part of a pass by the kernel, if there is one. Calls visit(i) for each of the others,
+/// and adds its results to the count of clamped speeds. At most body_chunk bodies.
 template <class Visit>
 void for_bodies_of(const BodyPass& part, Move kernel, SolverBodies& bodies, const Visit& visit) {
     std::uint64_t clamped = 0;
@@ -183,7 +185,7 @@ void for_bodies_of(const BodyPass& part, Move kernel, SolverBodies& bodies, cons
 }
 template <class Visit>
 void for_each_body(BodyPass pass, Move kernel, SolverBodies& bodies, Tasks* tasks, const Visit& visit) {
-    // Twice in every substep: of fewer bodies it costs less than that workers hear of it.
+    // This runs twice in every substep: for fewer bodies it costs less than the start of workers.
     constexpr std::uint32_t shared_from = 2048;
     Tasks* const by = bodies.still() < shared_from ? nullptr : tasks;
     bodies.paths.take(by != nullptr, base::Path::moves_by_one, base::Path::moves_by_workers);
@@ -194,7 +196,7 @@ void for_each_body(BodyPass pass, Move kernel, SolverBodies& bodies, Tasks* task
                          for_bodies_of(part, kernel, bodies, visit);
                      });
 }
-/// Of some bodies.
+/// This version handles the bodies `rows` only.
 template <class Visit>
 void for_each_body(BodyPass pass, Move kernel, SolverBodies& bodies, std::span<const std::uint32_t> rows,
                    const Visit& visit) {
@@ -206,9 +208,9 @@ void for_each_body(BodyPass pass, Move kernel, SolverBodies& bodies, std::span<c
     }
 }
 
-/// One body by its velocity, and by its drift if it has one.
+/// Moves one body by its velocity, and by its drift if it has one.
 std::uint64_t move_by_velocity(SolverBodies& bodies, std::uint32_t i, std::int64_t h, SpeedLimits limits) {
-    // Velocity with 27 fraction bits times time with 30: at most 15 m in a tick, so 2^61.
+    // Velocity with 27 fraction bits times time with 30 is at most 2^61, since a body moves at most 15 m in a tick.
     constexpr int to_separation = accumulator_bits - Separation::fraction_bits;
     constexpr int drift_to_separation = Real::fraction_bits - Separation::fraction_bits;
     constexpr std::int64_t half = std::int64_t{1} << (Unit::fraction_bits - 1);
@@ -235,7 +237,7 @@ void damp_all(SolverBodies& bodies, std::uint32_t i) {
 const BodyPush& push_of(const SolverBodies& bodies, std::uint32_t i) {
     return (bodies.plain[i] & plain_falls) != 0 ? bodies.fall : bodies.push[i];
 }
-/// What its constant push adds.
+/// Adds the constant push of a body to its velocity, and damps it.
 std::uint64_t push_and_damp(SolverBodies& bodies, std::uint32_t i, SpeedLimits limits) {
     if (!bodies.step[i].moves) return 0;
     if (bodies.step[i].movable) {
@@ -266,8 +268,8 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
     if (is_plain_motion(motion))
         return for_each_body(pass_of(step, limits, bodies), velocity_kernel(bodies), bodies, tasks,
                              [&](std::uint32_t i) { return push_and_damp(bodies, i, limits); });
-    // What the fields' scheme adds to a move is no plain motion either.
-    for (std::uint8_t& plain : bodies.plain) plain &= plain_end | plain_round | plain_falls;
+    // Fields and other schemes add to the move of a body too, so it is no plain motion.
+    for (std::uint8_t& plain : bodies.plain) plain &= plain_end | plain_round | plain_falls | plain_struck;
     if (bodies.drift.empty()) bodies.drift.assign(bodies.still(), {});
     for_each_body(pass_of(step, limits, bodies), velocity_kernel(bodies), bodies, tasks,
                   [&](std::uint32_t i) -> std::uint64_t {

@@ -12,7 +12,7 @@ namespace lockstone::solve {
 
 Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
     if (d.x == d.y && d.y == d.z) return {d.x, d.x, d.x, Real{}, Real{}, Real{}};
-    // 31 bits of the entries are enough: then their products with those of a rotation are below 2^61.
+    // 31 bits of the entries are enough: so their products with entries of a rotation are below 2^61.
     const int bits = bit_length(magnitude(d.x.raw) | magnitude(d.y.raw) | magnitude(d.z.raw));
     const int drop = bits > 31 ? bits - 31 : 0;
     const std::int64_t dx = shift_right_rounded(d.x.raw, drop), dy = shift_right_rounded(d.y.raw, drop),
@@ -33,19 +33,20 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
     return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
 }
 
-/// 1 / radius along each axis, zero where there is none. Most bodies have two or three radii alike.
+/// 1 / radius along each axis; zero where the radius is zero. Most bodies have two or three equal radii.
 static Vec3 reciprocals(Vec3 radii) {
     const auto inverse = [](Real r) { return r > Real{} ? Real(1) / r : Real{}; };
     const Real x = inverse(radii.x), y = radii.y == radii.x ? x : inverse(radii.y);
     return {x, y, radii.z == radii.x ? x : radii.z == radii.y ? y : inverse(radii.z)};
 }
 
-/// Of one of the two diagonals, as rotated_diagonal() has it. False: it has no room in 32 bits.
+/// One of the two diagonals of a GyrationForm, in the format of rotated_diagonal(). Returns false if it has no room in
+/// 32 bits.
 static bool set_form(Vec3 d, std::int32_t (&out)[4]) {
     const int bits = bit_length(magnitude(d.x.raw) | magnitude(d.y.raw) | magnitude(d.z.raw));
     const int drop = bits > 31 ? bits - 31 : 0;
-    constexpr std::int64_t most =
-        (std::int64_t{1} << 31) - 8; // times a component of a rotation, which may be a step above 1
+    // it is multiplied by a component of a rotation, which may exceed 1 by one unit
+    constexpr std::int64_t most = (std::int64_t{1} << 31) - 8;
     if (drop >= Unit::fraction_bits) return false;
     for (int i = 0; i < 3; ++i) {
         const std::int64_t part = shift_right_rounded(d[i].raw, drop);
@@ -87,10 +88,10 @@ static std::uint64_t entries_or(const Symmetric<Real>& k) {
            magnitude(k.xz.raw) | magnitude(k.yz.raw);
 }
 
-/// Entries are below 2^bits, so a mantissa is at most 2^30.
+/// Sets K^-1 as mantissas and exponent. Entries are below 2^bits, so a mantissa is at most 2^30.
 static void set_mantissa(BodyStep& s) {
     const Symmetric<Real>& k = s.gyration_inv;
-    const int drop = s.gyration_inv_bits - 30; // bits of the mantissa: 30, and the sign
+    const int drop = s.gyration_inv_bits - 30; // bits of the mantissa without its sign: 30
     s.inv_exponent = Real::fraction_bits - drop;
     const auto set = [&](auto&& mantissa) {
         const auto low = [&](Real x) { return static_cast<std::int32_t>(mantissa(x.raw)); };
@@ -115,7 +116,7 @@ void set_gyration(BodyStep& s, const Rotation& axes) {
     set_sizes(s);
 }
 
-/// K of radii whose reciprocals are known.
+/// Sets K of a body with known reciprocals of its radii.
 static void set_gyration(BodyStep& s, Quat principal, Quat rotation) {
     const auto multiple = [](Real d) { return Symmetric<Real>{d, d, d, Real{}, Real{}, Real{}}; };
     if (is_round(s)) {
@@ -126,7 +127,7 @@ static void set_gyration(BodyStep& s, Quat principal, Quat rotation) {
     }
 }
 
-/// 1 / (1 + damping * substep): velocity kept per substep.
+/// The factor of a velocity by damping in a substep: 1 / (1 + damping * substep).
 static Unit kept(Real damping, const StepConstants& step) {
     if (damping == Real{}) return unit_one;
     return to<Unit>(Real(step.substeps_per_second) / (Real(step.substeps_per_second) + damping));
@@ -140,7 +141,7 @@ template <FixedPoint T> static Vector3<T> masked(Vector3<T> v, std::uint32_t mas
 /// acceleration / substeps_per_second with 47 fraction bits.
 static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64_t out[3]) {
     constexpr int extra = accumulator_bits - Real::fraction_bits;
-    // Beyond 2048 m/s a substep the speed limit acts anyway; the clamp keeps the sum with any velocity in range.
+    // Above 2048 m/s a substep the speed limit acts anyway; the clamp keeps the sum with any velocity in range.
     constexpr std::int64_t most = std::int64_t{2048} << accumulator_bits;
     for (int i = 0; i < 3; ++i) {
         const std::int64_t change = divide_shifted(acceleration[i].raw, step.substeps_per_second, extra);
@@ -148,7 +149,7 @@ static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64
     }
 }
 
-/// K, and u of the velocity within its bounds. Locks hold here too, for velocities of states from files.
+/// Sets K, and u of the velocity within its limit. Applies locks here too, for velocities of states from files.
 static void begin_turning(Quat principal, const Transform& pose, const Velocity& velocity,
                           const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
     set_gyration(s, principal, pose.rotation);
@@ -165,20 +166,20 @@ static void begin_torque(const BodyMass& mass, const BodyForce& force, const Ste
 
 static bool turns_about_all_axes(const BodyStep& s) { return s.movable && s.angular_mask == 7u; }
 
-/// PlainMotion as to where the body is when the tick ends.
+/// The PlainMotion bits for the end of the tick.
 static std::uint8_t plain_end_of(const BodyTraits& traits, const BodyStep& s) {
     if (!turns_about_all_axes(s)) return 0;
     return plain_end | (traits.gyroscopic == 0 || is_round(s) ? plain_round : 0);
 }
 
-/// What moves, of the velocity; v within its bounds.
+/// Sets v from the parts of the velocity that are not locked, within its limit.
 static void begin_moving(const Velocity& velocity, LengthLimit limit, SolverBody& b, ClampCounts& clamps) {
     for (int i = 0; i < 3; ++i) b.v[i] = (std::int64_t{velocity.linear[i].raw} << row_bits) & b.keep[i];
-    // Commands may leave any velocity; rows have room for these.
+    // Commands may set any velocity; rows have room for velocities within the limit.
     clamps.speed += clamp_length(b.v, limit) ? 1u : 0u;
 }
 
-/// All but K and what follows from it, and v; and du. Returns PlainMotion.
+/// Sets all data of a body except K, the data that follows from K, v and du. Returns PlainMotion.
 static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, const BodyForce& force,
                                const GyrationForm& form, const BodyPush& fall, const StepConstants& step,
                                std::int64_t (&keep)[3], BodyStep& s, BodyPush& push) {
@@ -213,14 +214,14 @@ void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepCo
     s.radii = radii, s.radii_inv = reciprocals(radii);
     begin_turning(c.mass[row].principal, c.pose[row], c.velocity[row], step, bodies.body[row], s, clamps);
     if (c.pushes[row] != 0) begin_torque(c.mass[row], c.force[row], step, s, bodies.push[row]);
-    // Its radii are no longer those of its traits.
+    // Its radii differ from those of its traits.
     const auto motion = static_cast<std::uint8_t>(bodies.plain[row] &
                                                   (plain_velocity | plain_pose | plain_damped | plain_falls));
     const std::uint8_t end = plain_end_of(c.traits(row), s);
     bodies.plain[row] = (end & plain_round) != 0 ? motion | end : motion;
 }
 
-/// Of dynamic bodies with these traits that no force pushes.
+/// The start of dynamic bodies with these traits that no force pushes.
 static BodyStart start_of(const BodyTraits& traits, const GyrationForm& form, const BodyPush& fall,
                           const StepConstants& step) {
     BodyStart start{};
@@ -250,12 +251,12 @@ static void find_forms(const BodyColumns& c, const StepConstants& step, SolverBo
     }
 }
 
-/// Bodies of a piece of work whose K and u are still to be found.
+/// The bodies of a piece of work whose K and u are not set yet.
 struct Unturned {
     std::uint32_t in_lanes[body_chunk], alone[body_chunk], lane_count = 0, alone_count = 0;
 };
 
-/// K and u of bodies whose other entries are there.
+/// Sets K and u of bodies whose other data is set.
 static void begin_turns(const BodyColumns& c, const StepConstants& step, LengthLimit tip, SolverBodies& out,
                         Unturned& rows, ClampCounts& clamps) {
     if (rows.lane_count != 0) {
@@ -272,7 +273,7 @@ static void begin_turns(const BodyColumns& c, const StepConstants& step, LengthL
     }
 }
 
-/// u of a body alike about all axes, and that turns about all: K is a multiple of the unit matrix.
+/// Sets u of a body with equal radii that turns about all axes: K is a multiple of the unit matrix.
 static void begin_round_turning(SpeedVec3 w, LengthLimit tip, const BodyStep& s, SolverBody& b,
                                 ClampCounts& clamps) {
     constexpr int drop = Real::fraction_bits;
@@ -286,7 +287,7 @@ static void begin_round_turning(SpeedVec3 w, LengthLimit tip, const BodyStep& s,
     clamps.speed += clamp_length(b.u, tip) ? 1u : 0u;
 }
 
-/// Bodies [first, last).
+/// Begins bodies [first, last).
 static void begin_some(const BodyColumns& c, const StepConstants& step, SolverBodies& out,
                        std::uint32_t first, std::uint32_t last, ClampCounts& clamps) {
     const LengthLimit linear(step.linear_speed_max), tip(step.tip_speed_max);
@@ -344,7 +345,7 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
         begin_some(c, step, out, first, last, clamps);
         base::add_count(out.clamps.speed, clamps.speed);
     });
-    // The still entry keeps no motion along any axis.
+    // The still body keeps no motion along any axis.
     out.body[count] = {};
     out.step[count] = {};
 }
@@ -356,11 +357,11 @@ static SpeedVec3 rounded(const std::int64_t v[3]) {
     return {one(v[0]), one(v[1]), one(v[2])};
 }
 
-/// Steps of the midpoint rule in a tick without torque, when a body turns far enough to need them: a spinning top
-/// keeps its energy to 0.1 % and its phase for minutes.
+/// Steps of the midpoint rule in a tick without torque, for a body that turns far enough to need them: so a spinning
+/// top keeps its energy to 0.1 % and its phase for minutes.
 constexpr std::int32_t free_turn_steps = 4;
 
-/// Turned by less than this, the change of w is below the step of a Speed [rad].
+/// A smaller turn changes w by less than a unit of Speed [rad].
 constexpr Real least_turn = decimal<Real>("0.0001");
 
 constexpr Real least_free_turn = decimal<Real>("0.01"), free_turn_noise = decimal<Real>("0.00001");
@@ -369,7 +370,7 @@ static Vec3 in_a_tick(Vec3 w, const StepConstants& step) {
     return {mul<Real>(w.x, step.tick_time), mul<Real>(w.y, step.tick_time), mul<Real>(w.z, step.tick_time)};
 }
 
-/// Whether nothing but the body's own spin turned it in this tick, and by more than a hundredth of a radian.
+/// True if the body's own spin alone turned it in this tick, by more than a hundredth of a radian.
 static bool is_free_turn(Vec3 rotation, Vec3 by_spin) {
     const Vec3 size = abs(rotation);
     if (size.x + size.y + size.z <= least_free_turn) return false;
@@ -381,8 +382,8 @@ static std::int64_t spin_most(const StepConstants& step) {
     return (std::int64_t{step.ticks_per_second} * tick_turn_most) << spin_bits;
 }
 
-/// Shortened where a component has no room: cut one by one, they would turn the spin of a thin body about its long axis partly into spin across it.
-/// The lanes of turn_kernel.h keep the same spins as they are.
+/// Shortens a spin with a component that exceeds the format. Clamping the components one by one would turn the spin of
+/// a thin body about its long axis partly into spin across it. The lanes of turn_kernel.h skip the same spins.
 static SpeedVec3 spin_within(Vec3 spin) {
     constexpr int drop = Real::fraction_bits - Speed::fraction_bits;
     const Vec3 size = abs(spin);
@@ -391,8 +392,8 @@ static SpeedVec3 spin_within(Vec3 spin) {
     return to<Speed>(scale<Real>(spin, Real(4095) / max(size.x, max(size.y, size.z))));
 }
 
-/// Replaces turn() where rounds of the midpoint rule do not converge: a body that is thin, or spins fast. The direction of the
-/// turn adds no energy to the impulses of the tick.
+/// Replaces turn() where rounds of the midpoint rule do not converge: for a body that is thin or spins fast. The change
+/// of the direction adds no energy to that of the tick's impulses.
 static void turn_far(const StepConstants& step, const Momentum& momentum, Quat principal, const SolverBody& b,
                      const BodyStep& s, bool is_free, Transform& pose, Velocity& velocity) {
     const FreeTurn turn(s.radii_inv, principal);
@@ -401,7 +402,7 @@ static void turn_far(const StepConstants& step, const Momentum& momentum, Quat p
     Vec3 last = momentum.per_mass();
     if (is_free) {
         pose.rotation = turn.turned_exactly(from, last, rate);
-    } else { // by the mean of the tick
+    } else { // by the mean momentum of the tick
         const Vector3<Separation> theta{Separation::from_raw(b.theta[0]), Separation::from_raw(b.theta[1]),
                                         Separation::from_raw(b.theta[2])};
         const Vec3 mean = mul<Real>(s.gyration, to<Real>(theta) * rate);
@@ -411,10 +412,10 @@ static void turn_far(const StepConstants& step, const Momentum& momentum, Quat p
     velocity.angular = spin_within(turn.spin_at(pose.rotation, last));
 }
 
-/// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
-/// kept exactly up to rounding: K is taken at the middle of the turn (midpoint rule, second order).
+/// Computes the rotation of the tick and the angular velocity after it. Without torque, the angular momentum per mass K
+/// u stays constant except for rounding: K is that of the middle of the turn (midpoint rule, second order).
 static void turn(const BodyTraits& traits, const StepConstants& step, const SolverBody& b, BodyStep& s,
-                 const base::Paths& paths, Transform& pose, Velocity& velocity) {
+                 bool is_struck, const base::Paths& paths, Transform& pose, Velocity& velocity) {
     const Vector3<Separation> theta{Separation::from_raw(b.theta[0]), Separation::from_raw(b.theta[1]),
                                     Separation::from_raw(b.theta[2])};
     const Vec3 rotation = masked(over_gyration<Real>(s, theta), s.angular_mask);
@@ -440,19 +441,31 @@ static void turn(const BodyTraits& traits, const StepConstants& step, const Solv
         for (std::int32_t i = 0; i < free_turn_steps; ++i) {
             const Real time = Real(step.ticks_per_second * free_turn_steps);
             const Vec3 now = momentum.spin_at(pose.rotation) / time;
-            Vec3 at_middle = now; // of the turn that it leads to: then energy does not drift
+            Vec3 at_middle = now; // of the turn to which it leads: so energy does not drift
             for (int round = 0; round < 3; ++round)
                 at_middle = momentum.spin_at(integrate_rotation(pose.rotation, halved(at_middle))) / time;
             pose.rotation = integrate_rotation(pose.rotation, at_middle);
         }
     } else {
-        const Vec3 middle = momentum.spin_at(integrate_rotation(pose.rotation, halved(rotation)));
-        pose.rotation = integrate_rotation(pose.rotation, rotation + in_a_tick(middle - w, step));
+        const Quat from = pose.rotation;
+        const Vec3 middle = momentum.spin_at(integrate_rotation(from, halved(rotation)));
+        pose.rotation = integrate_rotation(from, rotation + in_a_tick(middle - w, step));
+        // The turn before an elastic impact had another direction, so the momentum after the impact has another energy
+        // at the present rotation. Without this correction, capsules that spin fast in a closed room grow to a hundred
+        // times their energy in a minute.
+        if (is_struck) {
+            const FreeTurn free(s.radii_inv, traits.mass.principal);
+            const Vec3 whole = momentum.per_mass();
+            velocity.angular = spin_within(
+                free.spin_at(pose.rotation, free.with_energy(free.energy(from, whole), pose.rotation, whole,
+                                                             FreeTurn::Keep::all)));
+            return;
+        }
     }
     velocity.angular = spin_within(momentum.spin_at(pose.rotation));
 }
 
-/// Returns how many components met the end of their range.
+/// Moves a position. Returns the number of components that reached the end of their range.
 static std::uint64_t shift_position(const SolverBody& b, Vec3& position) {
     constexpr int up = Real::fraction_bits - Separation::fraction_bits;
     constexpr std::int64_t edge = std::int64_t{1000000000} << Real::fraction_bits;
@@ -467,7 +480,7 @@ static std::uint64_t shift_position(const SolverBody& b, Vec3& position) {
     return clamped;
 }
 
-/// The end of a body alone. Returns how many components of its place met the end of their range.
+/// Finishes one body. Returns the number of components of its position that reached the end of their range.
 static std::uint64_t finish_body(const StepConstants& step, SolverBodies& bodies, const BodyColumns& c,
                                  std::uint32_t i) {
     const SolverBody& b = bodies.body[i];
@@ -480,7 +493,7 @@ static std::uint64_t finish_body(const StepConstants& step, SolverBodies& bodies
         c.velocity[i].angular = bodies.turns[s.turn - 1].spin;
         return clamped;
     }
-    turn(c.traits(i), step, b, s, bodies.paths, c.pose[i], turned);
+    turn(c.traits(i), step, b, s, (bodies.plain[i] & plain_struck) != 0, bodies.paths, c.pose[i], turned);
     if (s.movable) c.velocity[i].angular = turned.angular;
     return clamped;
 }

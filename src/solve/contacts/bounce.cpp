@@ -14,12 +14,15 @@ using solve::SolverBodies;
 using solve::SolverBody;
 
 std::int64_t speed_part(std::int64_t v) { return saturate_to_int32(shift_right_rounded(v, row_bits)); }
-/// Adds a component of a row [30 bits] times an impulse or a speed [31 bits]. Many contacts of one body, each within its limits,
-/// may drive its velocity beyond 63 bits.
-/// Modulo 2^64, as lanes add: a pack does the same whether its lanes are taken one by one or at once.
+/// Modulo 2^64, as lanes add: so a pack gives the same bits whether its lanes are computed one by one or at once.
 void add_modulo(std::int64_t& sum, std::int64_t x) {
     sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) + static_cast<std::uint64_t>(x));
 }
+void sub_modulo(std::int64_t& sum, std::int64_t x) {
+    sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) - static_cast<std::uint64_t>(x));
+}
+/// Adds a component of a row [30 bits] times an impulse or a speed [31 bits]. It saturates: many contacts of one body,
+/// each within its limits, may drive its velocity beyond 63 bits.
 void add_product(std::int64_t& sum, std::int64_t row, std::int64_t x) { sum = add_saturated(sum, row * x); }
 
 /// One lane of a pack: the two bodies and the rows between them.
@@ -27,11 +30,11 @@ template <unsigned N> struct Lane {
     const ContactPack<N>& pack;
     unsigned lane;
 
-    /// Level and tilts of the normal speed.
-    void speeds(const SolverBody* bodies, std::int64_t (&out)[3]) const {
-        speeds(bodies[pack.body_a[lane]], bodies[pack.body_b[lane]], out);
+    /// Level and tilts of the normal speed; `bodies` has velocities, or other data in their format.
+    template <class Body> void speeds(const Body* bodies, std::int64_t (&out)[3]) const {
+        speeds_of(bodies[pack.body_a[lane]], bodies[pack.body_b[lane]], out);
     }
-    void speeds(const SolverBody& a, const SolverBody& b, std::int64_t (&out)[3]) const {
+    template <class Body> void speeds_of(const Body& a, const Body& b, std::int64_t (&out)[3]) const {
         speeds_along(a, b, pack.normal_a, pack.normal_b, 0, 1, out);
     }
     /// Speeds along the two tangents and about the normal (the twist).
@@ -39,8 +42,9 @@ template <unsigned N> struct Lane {
         speeds_along(bodies[pack.body_a[lane]], bodies[pack.body_b[lane]], pack.slide_a, pack.slide_b, 1, 2,
                      out);
     }
-    /// Speeds along three rows, from direction `first` on; the first `lines` of them have a linear part.
-    void speeds_along(const SolverBody& a, const SolverBody& b, const std::int32_t (&rows_a)[3][3][N],
+    /// Speeds along three rows. Row r has a linear part along direction first + r where r < lines.
+    template <class Body>
+    void speeds_along(const Body& a, const Body& b, const std::int32_t (&rows_a)[3][3][N],
                       const std::int32_t (&rows_b)[3][3][N], int first, int lines,
                       std::int64_t (&out)[3]) const {
         std::int64_t move[3], turn_a[3], turn_b[3], any = 0;
@@ -49,7 +53,7 @@ template <unsigned N> struct Lane {
             turn_a[i] = speed_part(a.u[i]), turn_b[i] = speed_part(b.u[i]);
             for (const std::int64_t x : {move[i], turn_a[i], turn_b[i]}) any |= x ^ (x >> 63);
         }
-        // Nine products with 30 bits are then below 2^63 in all: nothing saturates.
+        // Then the sum of all nine products with 30 bits is below 2^63, so it needs no saturation.
         const bool is_slow = any >> 29 == 0;
         for (int r = 0; r < 3; ++r) {
             std::int64_t line = 0, turning = 0;
@@ -59,22 +63,23 @@ template <unsigned N> struct Lane {
                                    of_b = rows_b[r][i][lane] * turn_b[i];
                 turning = is_slow ? turning + of_a + of_b : add_saturated(add_saturated(turning, of_a), of_b);
             }
-            // Beyond 4096 m/s a point is at the end of every range.
+            // Beyond 4096 m/s the speed saturates.
             out[r] = saturate_to_int32(
                 shift_right_rounded(is_slow ? turning + line : add_saturated(turning, line), row_bits));
         }
     }
-    /// Of a point, out of those of the level and the tilts, which impulses may have driven beyond 32 bits.
+    /// The value at point k of a quantity with level and two tilts, x. Impulses may have driven x beyond 32 bits.
     std::int64_t at_point(int k, const std::int64_t (&x)[3]) const {
         const PointLanes<N>& point = pack.points[k];
         if ((((x[1] ^ (x[1] >> 63)) | (x[2] ^ (x[2] >> 63))) >> 31) == 0) // two products below 2^61
             return saturate_to_int32(add_saturated(
                 x[0], shift_right_rounded(point.arm[0][lane] * x[1] + point.arm[1][lane] * x[2], unit_bits)));
-        // Impulses of tilts may be beyond 2^33: arms of up to 2^30 times them want 128 bits.
+        // The arms, up to 2^30, times impulses of tilts beyond 2^33 need 128 bits.
         const Wide tilt = Wide::product(point.arm[0][lane], x[1]) + Wide::product(point.arm[1][lane], x[2]);
         return saturate_to_int32(add_saturated(x[0], narrow_rounded(tilt, unit_bits)));
     }
-    /// Adds an impulse along row `row` of a set to the velocities of the bodies that move; `line`: along this direction.
+    /// Adds impulse p along one row to the velocities of the bodies that move. `xa`, `xb`: angular parts of the row;
+    /// `line`: its direction, null if the row has no linear part.
     void push(SolverBodies& bodies, const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N],
               const std::int32_t (*line)[N], std::int64_t p) const {
         const auto push_body = [&](SolverBody& to, std::int64_t share, const std::int32_t(&x)[3][N],
@@ -100,219 +105,113 @@ template <unsigned N> struct Lane {
     }
 };
 
-/// Whether no point will bounce in this tick: what a point that was pushed came in with stays as it is.
-template <unsigned N>
-bool is_settled(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t speed_min) {
-    for (int k = 0; k < pack.point_count; ++k) {
-        const bool stays = bounce.impulse_max[k] > 0 && bounce.approach[k] > -speed_min;
-        if (!stays && pack.points[k].kappa[bounce.lane] != 0) return false;
-    }
-    return true;
-}
-
-/// Twice the work of an impulse: times the sum of the speeds before and after it.
-void add_work(Bounce& bounce, std::int64_t impulse, std::int64_t speeds) {
-    constexpr std::int64_t limit = std::int64_t{1} << 62, most = std::int64_t{1} << 30;
-    bounce.taken = std::clamp(bounce.taken - impulse * std::clamp(speeds, -most, most), -limit, limit);
-}
-
-} // namespace
-
-template <unsigned N>
-void note_warm_start(std::span<const ContactPack<N>> packs, Bounce* bounces, const WarmStart* warm,
-                     const SolverBodies& bodies) {
-    const auto before_it = [&](std::uint32_t row) {
-        SolverBody body = bodies.body[row];
-        for (int i = 0; i < 3; ++i) {
-            body.v[i] = sub_saturated(body.v[i], warm[row].v[i] & body.keep[i]);
-            body.u[i] = sub_saturated(body.u[i], warm[row].u[i]);
-        }
-        return body;
-    };
-    for (const ContactPack<N>& pack : packs)
-        for (std::uint32_t i = 0; i < pack.bounce_count; ++i) {
-            Bounce& bounce = bounces[pack.bounce + i];
-            const Lane<N> at{pack, bounce.lane};
-            std::int64_t before[3], after[3];
-            bool is_found = false;
-            for (int k = 0; k < pack.point_count; ++k) {
-                const std::int64_t impulse = pack.points[k].impulse[bounce.lane];
-                if (impulse == 0) continue;
-                if (!is_found) {
-                    at.speeds(before_it(pack.body_a[bounce.lane]), before_it(pack.body_b[bounce.lane]),
-                              before);
-                    at.speeds(bodies.body.data(), after);
-                    is_found = true;
-                }
-                add_work(bounce, impulse, at.at_point(k, before) + at.at_point(k, after));
-            }
-        }
-}
-
-template <unsigned N>
-void keep_approach(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed)[4][N]) {
-    for (std::uint32_t i = 0; i < pack.bounce_count; ++i) {
-        Bounce& bounce = bounces[pack.bounce + i];
-        for (int k = 0; k < pack.point_count; ++k) {
-            const bool was_hit = pack.points[k].impulse[bounce.lane] > 0 || bounce.impulse_max[k] > 0;
-            if (!was_hit) bounce.approach[k] = speed[k][bounce.lane];
-        }
-    }
-}
-
-template <unsigned N>
-void measure_approach(const ContactPack<N>& pack, Bounce* bounces, const SolverBody* bodies) {
-    std::int32_t found[4][N];
-    for (std::uint32_t i = 0; i < pack.bounce_count; ++i) {
-        const unsigned lane = bounces[pack.bounce + i].lane;
-        const Lane<N> at{pack, lane};
-        std::int64_t speed[3];
-        at.speeds(bodies, speed);
-        for (int k = 0; k < pack.point_count; ++k)
-            found[k][lane] = static_cast<std::int32_t>(at.at_point(k, speed));
-    }
-    keep_approach(pack, bounces, found);
-}
-
-template <unsigned N>
-void note_bounce(ContactPack<N>& pack, Bounce* bounces, std::int32_t speed_min,
-                 const std::int32_t (&speed_before)[4][N], const std::int32_t (&speed_after)[4][N],
-                 const std::int32_t (&impulse_before)[4][N]) {
-    for (std::uint32_t i = pack.bounce_count; i-- > 0;) {
-        Bounce& bounce = bounces[pack.bounce + i];
-        for (int k = 0; k < pack.point_count; ++k) {
-            const std::int32_t now = pack.points[k].impulse[bounce.lane];
-            bounce.impulse_max[k] = std::max(bounce.impulse_max[k], now);
-            if (now == impulse_before[k][bounce.lane]) continue; // no work
-            add_work(bounce, std::int64_t{now} - impulse_before[k][bounce.lane],
-                     std::int64_t{speed_before[k][bounce.lane]} + speed_after[k][bounce.lane]);
-        }
-        // Behind those that are still looked at; no two of a pack share a body that moves.
-        if (is_settled(bounce, pack, speed_min))
-            std::swap(bounce, bounces[pack.bounce + --pack.bounce_count]);
-    }
-}
-
-namespace {
-
-/// The points of a contact that bounce, and what is given to them. Work is twice that per m_ref, as Bounce::taken.
-template <unsigned N> struct Rebound {
-    ContactPack<N>& pack;
+/// The impulses that a contact gives to its points in one impact. Work is measured as twice the energy divided by
+/// m_ref.
+template <unsigned N> struct Impact {
+    const ContactPack<N>& pack;
     unsigned lane;
-    std::int64_t speed[3];       ///< level and tilts, with what was given so far
-    std::int64_t change[4] = {}; ///< of impulses, in the phase that runs
+    std::int64_t speed[3];      ///< level and tilts, including the impulses so far
+    std::int64_t given[4] = {}; ///< impulses of points, never negative
 
     static bool has(std::uint32_t points, int k) { return ((points >> k) & 1u) != 0; }
     std::int64_t at_point(int k) const { return Lane<N>{pack, lane}.at_point(k, speed); }
 
     void add(int k, std::int64_t x) {
         constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
-        PointLanes<N>& point = pack.points[k];
-        x = std::clamp<std::int64_t>(point.impulse[lane] + x, 0, impulse_limit) - point.impulse[lane];
-        point.impulse[lane] += static_cast<std::int32_t>(x);
-        change[k] += x;
+        const PointLanes<N>& point = pack.points[k];
+        // enough to stop a point and to send it back
+        constexpr std::int64_t limit = 2 * std::int64_t{impulse_limit};
+        x = std::clamp<std::int64_t>(given[k] + x, 0, limit) - given[k];
+        given[k] += x;
         const std::int64_t q[3] = {x, shift_right_rounded(point.arm[0][lane] * x, unit_bits),
                                    shift_right_rounded(point.arm[1][lane] * x, unit_bits)};
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
                 speed[i] += shift_right_rounded(pack.response[lower[i][j]][lane] * q[j], response_bits);
     }
-    /// Brings the speeds of some points to minus `target`.
+    /// Changes the impulses of the points in the bit set `points` so that their speeds approach `target`.
     void reach(std::uint32_t points, const std::int64_t (&target)[4]) {
         const int count = pack.point_count;
-        // First all points together, at their centre: so the order of its points does not turn a box that lands flat.
+        // First all points together, at their centre, so that the order of the points does not turn a box that lands
+        // flat.
         std::int64_t error = 0, common = 0;
         for (int k = 0; k < count; ++k)
-            if (has(points, k)) error += at_point(k) + target[k], ++common;
+            if (has(points, k)) error += at_point(k) - target[k], ++common;
         const std::int64_t level = pack.response[0][lane];
         if (common > 1 && level > 0)
-            for (int k = 0; k < count; ++k) // an error of four points is below 2^34, of 25 more bits here
+            // the error of four points is below 2^34, and the product has 25 more bits
+            for (int k = 0; k < count; ++k)
                 if (has(points, k))
                     add(k, -(error * (std::int64_t{1} << response_bits) / level) / (common * common));
         for (int round = 0; round < (common > 1 ? 4 : 1); ++round)
             for (int i = 0; i < count; ++i) {
                 const int k = round % 2 == 0 ? i : count - 1 - i;
                 if (has(points, k))
-                    add(k, -shift_right_rounded((at_point(k) + target[k]) * pack.points[k].kappa[lane],
+                    add(k, -shift_right_rounded((at_point(k) - target[k]) * pack.points[k].kappa[lane],
                                                 kappa_bits));
             }
     }
-    /// The impulses of this phase times speeds: products are below 2^59.
-    std::int64_t power(const std::int64_t (&at)[3]) const {
-        std::int64_t sum = 0;
-        for (int k = 0; k < pack.point_count; ++k)
-            if (change[k] != 0) sum += change[k] * Lane<N>{pack, lane}.at_point(k, at);
-        return sum;
-    }
 };
 
-/// The largest part, Unit, of impulses that does no more work than `most`. All of them times the speeds they meet are `before`, and times
-/// those they leave `after`.
-std::int64_t part_within(std::int64_t before, std::int64_t after, std::int64_t most) {
+/// The largest fraction, Unit, of impulses that adds no energy. `before`: the sum of the full impulses times the speeds
+/// before them; `after`: the same with the speeds after them.
+std::int64_t part_without_gain(std::int64_t before, std::int64_t after) {
     constexpr std::int64_t one = std::int64_t{1} << unit_bits;
     const auto size = [](std::int64_t x) { return static_cast<std::uint64_t>(x < 0 ? -x : x); };
-    const int drop =
-        std::max(static_cast<int>(std::bit_width(size(before) | size(after) | size(most))) - 29, 0);
-    const std::int64_t start = before >> drop, change = (after >> drop) - start, limit = most >> drop;
-    if (2 * start + change <= limit) return one;
-    if (change <= 0) return 0;
-    // part^2 change + 2 part start = limit
-    const auto root =
-        static_cast<std::int64_t>(isqrt(static_cast<std::uint64_t>(start * start + limit * change)));
-    return std::clamp<std::int64_t>((root - start) * one / change, 0, one);
+    const int drop = std::max(static_cast<int>(std::bit_width(size(before) | size(after))) - 30, 0);
+    const std::int64_t start = before >> drop, change = (after >> drop) - start;
+    if (2 * start + change <= 0) return one;
+    // part^2 change + 2 part start = 0
+    return change <= 0 ? 0 : std::clamp<std::int64_t>(-2 * start * one / change, 0, one);
 }
 
-/// What the points of a contact that bounce should part at, and which do.
+/// The speed that closes the gap of a point within a substep.
 template <unsigned N>
-std::uint32_t find_targets(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t speed_min,
-                           std::int64_t (&target)[4]) {
-    std::uint32_t points = 0;
-    for (int k = 0; k < pack.point_count; ++k) {
-        target[k] = 0;
-        if (bounce.approach[k] > -speed_min || bounce.impulse_max[k] == 0 ||
-            pack.points[k].kappa[bounce.lane] == 0)
-            continue;
-        target[k] = shift_right_rounded(std::int64_t{bounce.approach[k]} * bounce.restitution, unit_bits);
-        points |= 1u << k;
-    }
-    return points;
+std::int64_t closing_limit(const ContactPack<N>& pack, int k, unsigned lane, const PassSettings& s) {
+    const std::int64_t gap = std::clamp(pack.points[k].gap[lane], 0, s.gap_max);
+    return shift_right_rounded(gap * s.substeps_per_second, gap_bits - speed_bits);
 }
 
-/// First what still comes in is stopped: the next substep would have done that. Then the points part, at most with what they took.
-/// False: none of them bounces. `given`: to the impulses of points.
-template <unsigned N>
-bool rebound(const Bounce& bounce, ContactPack<N>& pack, std::int32_t speed_min, const SolverBody* bodies,
-             std::int64_t (&given)[4]) {
-    std::int64_t target[4];
-    const std::uint32_t points = find_targets(bounce, pack, speed_min, target);
-    if (points == 0) return false;
-    const unsigned lane = bounce.lane;
-    Rebound<N> stop{pack, lane, {}};
-    Lane<N>{pack, lane}.speeds(bodies, stop.speed);
-    std::int64_t start[3];
-    std::copy_n(stop.speed, 3, start);
-    std::uint32_t closing = 0;
-    for (int k = 0; k < pack.point_count; ++k)
-        if (stop.has(points, k) && stop.at_point(k) < 0) closing |= 1u << k;
-    if (closing != 0) stop.reach(closing, {0, 0, 0, 0});
-    const std::int64_t stopped = -(stop.power(start) + stop.power(stop.speed));
-    const std::int64_t taken = std::max<std::int64_t>(add_saturated(bounce.taken, stopped), 0);
-
-    Rebound<N> part{pack, lane, {}};
-    std::copy_n(stop.speed, 3, part.speed);
-    part.reach(points, target);
-    const std::int64_t most = product_rounded(product_rounded(taken, bounce.restitution, unit_bits),
-                                              bounce.restitution, unit_bits),
-                       share = part_within(part.power(stop.speed), part.power(part.speed), most);
-    for (int k = 0; k < pack.point_count; ++k) {
-        const std::int64_t kept = part.change[k] * share / (std::int64_t{1} << unit_bits);
-        pack.points[k].impulse[lane] += static_cast<std::int32_t>(kept - part.change[k]);
-        given[k] = stop.change[k] + kept;
-    }
-    return true;
+/// The speed at which a point parts at the end of the substep. It came in at `arrived`, and forces add `f` in this
+/// substep. It reaches the surface after the fraction `time` [Unit] of the substep; `gap_speed` is its gap divided by
+/// the substep. Semi-implicit integration has f for acceleration times substep. Twice the energy of the relative motion
+/// at the surface is V^2 = arrived (arrived + f) + 2 f gap_speed before the impact. After the impact and the rest of
+/// the substep, u^2 + f (1 - 2 time) u has to be e^2 V^2: then the height of a ball does not depend on where in a
+/// substep it hits.
+std::int64_t parting_speed(std::int64_t arrived, std::int64_t f, std::int64_t gap_speed, std::int64_t time,
+                           std::int32_t restitution) {
+    constexpr std::int64_t one = std::int64_t{1} << unit_bits;
+    f = std::clamp(f, -arrived / 2, arrived / 2);
+    const std::int64_t surface = arrived * (arrived + f) + 2 * f * gap_speed; // below 2^60
+    const auto less = [&](std::int64_t x) { return product_rounded(x, restitution, unit_bits); };
+    const std::int64_t half = shift_right_rounded(f * (one - 2 * time), unit_bits + 1);
+    const std::int64_t square = std::max<std::int64_t>(less(less(surface)), 0) + half * half;
+    return std::max<std::int64_t>(static_cast<std::int64_t>(isqrt(static_cast<std::uint64_t>(square))) - half,
+                                  0);
 }
 
-/// Friction of these impulses, against the sliding that is left: at most as much as ends it, in the direction that would.
+} // namespace
+
+template <unsigned N> void find_hits(ContactPack<N>& pack, const SolverBody* bodies, const PassSettings& s) {
+    pack.struck = 0;
+    for (unsigned lane = 0; lane < N; ++lane) {
+        if (pack.bounces[lane] == 0) continue;
+        const Lane<N> at{pack, lane};
+        std::int64_t speed[3];
+        at.speeds(bodies, speed);
+        for (int k = 0; k < pack.point_count; ++k) {
+            const std::int64_t closing = -at.at_point(k, speed);
+            if (closing > s.bounce_speed_min && closing >= closing_limit(pack, k, lane, s) &&
+                pack.points[k].kappa[lane] != 0)
+                pack.struck |= 1u << lane;
+        }
+    }
+}
+
+namespace {
+
+/// Applies the friction of these normal impulses against the remaining sliding: at most the impulse that ends the
+/// sliding, in the direction of that impulse.
 template <unsigned N>
 void give_friction(const ContactPack<N>& pack, unsigned lane, const std::int64_t (&given)[4],
                    SolverBodies& bodies) {
@@ -348,26 +247,173 @@ void give_friction(const ContactPack<N>& pack, unsigned lane, const std::int64_t
     at.push_slides(bodies, q);
 }
 
+/// The change of a body's velocity by forces in a substep.
+struct ForceChange {
+    std::int64_t v[3], u[3];
+};
+ForceChange change_by_forces(const SolverBodies& bodies, std::uint32_t body) {
+    ForceChange out{};
+    if (body >= bodies.still() || !bodies.step[body].movable) return out;
+    const BodyPush& push = (bodies.plain[body] & plain_falls) != 0 ? bodies.fall : bodies.push[body];
+    for (int i = 0; i < 3; ++i) out.v[i] = push.dv[i] & bodies.body[body].keep[i], out.u[i] = push.du[i];
+    return out;
+}
+
+/// A contact whose points hit each other in this substep.
+template <unsigned N> class Rebound {
+    Bounce& bounce;
+    const ContactPack<N>& pack;
+    const PassSettings& s;
+    Lane<N> at;
+    std::int64_t target[4] = {};  ///< speeds of points after the impact
+    std::int64_t allowed[4] = {}; ///< speeds of points above which they would gain energy
+    std::uint32_t points = 0;     ///< bit set of the points that hit
+
+    /// The fraction [Unit] of the substep after which a point closes the gap `gap_speed` times the substep; more than 1
+    /// if it does not.
+    static std::int64_t time_of(std::int64_t gap_speed, std::int64_t closing) {
+        constexpr std::int64_t one = std::int64_t{1} << unit_bits;
+        if (gap_speed <= 0) return 0;
+        return gap_speed > closing ? one + 1 : gap_speed * one / closing;
+    }
+
+  public:
+    std::int64_t time = std::int64_t{1} << unit_bits; ///< of the impact
+
+    Rebound(Bounce& of, const ContactPack<N>& in, const PassSettings& settings)
+        : bounce(of), pack(in), s(settings), at{in, of.lane} {}
+
+    /// Finds the points that hit, and the speeds at which they part. Returns false if no point hits.
+    bool find_targets(const SolverBodies& bodies, const WarmStart* arrival, const Struck* struck,
+                      std::int64_t (&before)[3]) {
+        constexpr std::int64_t one = std::int64_t{1} << unit_bits, most = std::int64_t{1} << 28;
+        std::int64_t arrived[3], ahead[3], forces[3];
+        at.speeds(bodies.body.data(), before);
+        at.speeds(arrival, arrived);
+        at.speeds(struck, ahead);
+        at.speeds_of(change_by_forces(bodies, pack.body_a[bounce.lane]),
+                     change_by_forces(bodies, pack.body_b[bounce.lane]), forces);
+        const std::int64_t since =
+            std::max(struck[pack.body_a[bounce.lane]].time, struck[pack.body_b[bounce.lane]].time);
+        for (int k = 0; k < pack.point_count; ++k) {
+            // The speed that a warm start adds is no impact: passes take it out again.
+            const std::int64_t f = std::clamp(-at.at_point(k, forces), -most, most),
+                               came_in =
+                                   std::min({-at.at_point(k, arrived), -at.at_point(k, before) - f, most}),
+                               closing = std::min(came_in + f, most);
+            if (std::min(closing, came_in) <= s.bounce_speed_min || pack.points[k].kappa[bounce.lane] == 0)
+                continue;
+            const std::int64_t gap = std::clamp(pack.points[k].gap[bounce.lane], -s.gap_max, s.gap_max);
+            const std::int64_t gap_speed = std::clamp<std::int64_t>(
+                shift_right_rounded(gap * s.substeps_per_second, gap_bits - speed_bits) +
+                    at.at_point(k, ahead),
+                0, most);
+            const std::int64_t hits = std::max(time_of(gap_speed, closing), since);
+            if (hits > one) continue;
+            target[k] = parting_speed(came_in, f, gap_speed, hits, bounce.restitution);
+            allowed[k] = std::max(closing, target[k]);
+            points |= 1u << k;
+            time = std::min(time, hits);
+        }
+        return points != 0;
+    }
+    void give(SolverBodies& bodies, const std::int64_t (&before)[3]) {
+        Impact<N> impact{pack, bounce.lane, {before[0], before[1], before[2]}};
+        impact.reach(points, target);
+        std::int64_t most = 0, done = 0;
+        for (int k = 0; k < pack.point_count; ++k)
+            most -= impact.given[k] * allowed[k], done += impact.given[k] * impact.at_point(k);
+        const std::int64_t part = part_without_gain(most, done);
+        std::int64_t sum[3] = {};
+        for (int k = 0; k < pack.point_count; ++k) {
+            std::int64_t& given = impact.given[k];
+            given = given * part / (std::int64_t{1} << unit_bits);
+            bounce.impulse[k] =
+                static_cast<std::int32_t>(std::min<std::int64_t>(bounce.impulse[k] + given, impulse_limit));
+            sum[0] += given;
+            for (int i = 0; i < 2; ++i)
+                sum[1 + i] += shift_right_rounded(pack.points[k].arm[i][bounce.lane] * given, unit_bits);
+        }
+        at.push_normals(bodies, sum);
+        give_friction(pack, bounce.lane, impact.given, bodies);
+    }
+};
+
+/// Notes the impact of a body. It keeps its old velocity until the impact; later impacts start from its new velocity.
+void note_impact(const SolverBody& was, const SolverBody& now, std::int64_t time, std::uint32_t round,
+                 Struck& struck, WarmStart& arrival) {
+    struck.round = round, struck.time = time;
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t v = sub_saturated(now.v[i], was.v[i]), u = sub_saturated(now.u[i], was.u[i]);
+        add_modulo(arrival.v[i], v), add_modulo(arrival.u[i], u);
+        sub_modulo(struck.v[i], product_rounded(v, time, unit_bits));
+        sub_modulo(struck.u[i], product_rounded(u, time, unit_bits));
+    }
+}
+
 } // namespace
 
 template <unsigned N>
-void give_back(std::span<const std::uint32_t> lanes, std::span<const Bounce> bounces,
-               std::span<ContactPack<N>> packs, std::int32_t speed_min, SolverBodies& bodies) {
-    for (const std::uint32_t at : lanes) {
-        ContactPack<N>& pack = packs[at / N];
-        // The entries of a pack follow one another; note_bounce() changes their order.
-        const Bounce& bounce = *std::ranges::find(bounces.subspan(pack.bounce), at % N, &Bounce::lane);
-        std::int64_t given[4];
-        if (!rebound(bounce, pack, speed_min, bodies.body.data(), given)) continue;
-        std::int64_t sum[3] = {};
-        for (int k = 0; k < pack.point_count; ++k) {
-            sum[0] += given[k];
-            for (int i = 0; i < 2; ++i)
-                sum[1 + i] += shift_right_rounded(pack.points[k].arm[i][bounce.lane] * given[k], unit_bits);
+void rebound(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, const PassSettings& settings,
+             SolverBodies& bodies, WarmStart* arrival, std::span<Struck> struck) {
+    constexpr std::uint32_t rounds_max = 32;
+    bool any = true;
+    for (std::uint32_t round = 1; any && round <= rounds_max; ++round) {
+        any = false;
+        const auto changed = [&](std::uint32_t body) {
+            return struck[body].round != 0 && struck[body].round + 1 >= round;
+        };
+        for (Bounce& bounce : bounces) {
+            ContactPack<N>& pack = packs[bounce.pack];
+            const std::uint32_t a = pack.body_a[bounce.lane], b = pack.body_b[bounce.lane];
+            const bool is_found = round == 1 && ((pack.struck >> bounce.lane) & 1u) != 0;
+            if (!is_found && !changed(a) && !changed(b)) continue;
+            Rebound<N> impact(bounce, pack, settings);
+            std::int64_t before[3];
+            if (!impact.find_targets(bodies, arrival, struck.data(), before)) continue;
+            const SolverBody was[2] = {bodies.body[a], bodies.body[b]};
+            impact.give(bodies, before);
+            any = true;
+            pack.hit |= 1u << bounce.lane;
+            if ((pack.movable_a >> bounce.lane) & 1u)
+                note_impact(was[0], bodies.body[a], impact.time, round, struck[a], arrival[a]);
+            if ((pack.movable_b >> bounce.lane) & 1u)
+                note_impact(was[1], bodies.body[b], impact.time, round, struck[b], arrival[b]);
         }
-        Lane<N>{pack, bounce.lane}.push_normals(bodies, sum);
-        give_friction(pack, bounce.lane, given, bodies);
     }
+}
+
+void begin_ways(std::span<const Struck> struck, SolverBodies& bodies) {
+    for (std::size_t i = 0; i < struck.size(); ++i) {
+        if (struck[i].round == 0) continue;
+        bodies.plain[i] = static_cast<std::uint8_t>((bodies.plain[i] & ~plain_end) | plain_struck);
+        for (int axis = 0; axis < 3; ++axis) {
+            add_modulo(bodies.body[i].v[axis], struck[i].v[axis]);
+            add_modulo(bodies.body[i].u[axis], struck[i].u[axis]);
+        }
+    }
+}
+
+void end_ways(std::span<const Struck> struck, SolverBodies& bodies) {
+    for (std::size_t i = 0; i < struck.size(); ++i) {
+        if (struck[i].round == 0) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            sub_modulo(bodies.body[i].v[axis], struck[i].v[axis]);
+            sub_modulo(bodies.body[i].u[axis], struck[i].u[axis]);
+        }
+    }
+}
+
+void list_impacts(std::span<const Bounce> bounces, std::span<const std::uint32_t> contact_of_lane,
+                  std::uint32_t lanes, std::vector<ContactImpact>& out) {
+    out.clear();
+    for (const Bounce& bounce : bounces) {
+        if (std::ranges::all_of(bounce.impulse, [](std::int32_t p) { return p == 0; })) continue;
+        ContactImpact& impact = out.emplace_back();
+        impact.contact = contact_of_lane[bounce.pack * lanes + bounce.lane];
+        for (std::size_t k = 0; k < 4; ++k) impact.impulse[k] = Speed::from_raw(bounce.impulse[k]);
+    }
+    std::ranges::sort(out, {}, &ContactImpact::contact);
 }
 
 template <unsigned N>
@@ -411,7 +457,8 @@ void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> p
     }
 }
 
-/// Whether a point took an impact of more than 1 m/s. Smaller ones are not kept: a hand that stands on its fingers would shake for ever.
+/// True if a point took an impact of more than 1 m/s. Smaller impacts are not kept: a hand that stands on its fingers
+/// would shake for ever.
 template <unsigned N> bool is_hard(const ContactPack<N>& pack, unsigned lane) {
     constexpr std::int32_t hard = 1 << speed_bits;
     for (int k = 0; k < pack.point_count; ++k)
@@ -419,9 +466,10 @@ template <unsigned N> bool is_hard(const ContactPack<N>& pack, unsigned lane) {
     return false;
 }
 
-/// The impulses that stopped bodies in the last substep are not given to them again in this one. They would have to be taken back, and for a
-/// body between two others one pass does that only in part: elastic balls would gain energy. A body that joints hold and that does not
-/// bounce keeps these impulses: one pass does not stop a foot that a whole body pushes down.
+/// The impulses that stopped bodies in the last substep are not part of the next warm start. Passes would have to take
+/// them back, and for a body between two others one pass does that only in part: elastic balls would gain energy. A
+/// contact without restitution keeps a hard impact where joints hold one of its bodies: one pass does not stop a foot
+/// that a whole body pushes down.
 template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm) {
     constexpr std::int64_t one = 1;
     for (unsigned lane = 0; lane < N; ++lane) {
@@ -443,7 +491,7 @@ template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm)
         }
         if (taken[0] == 0) continue;
         std::int64_t slide[3];
-        for (int r = 0; r < 3; ++r) { // friction as the normal impulses
+        for (int r = 0; r < 3; ++r) { // friction shrinks in the ratio of the normal impulses
             const std::int64_t less = before == 0 ? 0 : pack.slide[r][lane] * after / std::max(before, one);
             slide[r] = less - pack.slide[r][lane];
             pack.slide[r][lane] = static_cast<std::int32_t>(less);
@@ -469,45 +517,25 @@ template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm)
     pack.impacts = 0;
 }
 
-template void measure_approach(const ContactPack<1>&, Bounce*, const SolverBody*);
-template void keep_approach(const ContactPack<1>&, Bounce*, const std::int32_t (&)[4][1]);
-template void note_warm_start(std::span<const ContactPack<1>>, Bounce*, const WarmStart*,
-                              const SolverBodies&);
-template void give_back(std::span<const std::uint32_t>, std::span<const Bounce>, std::span<ContactPack<1>>,
-                        std::int32_t, SolverBodies&);
+template void find_hits(ContactPack<1>&, const SolverBody*, const PassSettings&);
+template void rebound(std::span<Bounce>, std::span<ContactPack<1>>, const PassSettings&, SolverBodies&,
+                      WarmStart*, std::span<Struck>);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<1>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<1>&, WarmStart*);
-template void note_bounce(ContactPack<1>&, Bounce*, std::int32_t, const std::int32_t (&)[4][1],
-                          const std::int32_t (&)[4][1], const std::int32_t (&)[4][1]);
-template void measure_approach(const ContactPack<2>&, Bounce*, const SolverBody*);
-template void keep_approach(const ContactPack<2>&, Bounce*, const std::int32_t (&)[4][2]);
-template void note_warm_start(std::span<const ContactPack<2>>, Bounce*, const WarmStart*,
-                              const SolverBodies&);
-template void give_back(std::span<const std::uint32_t>, std::span<const Bounce>, std::span<ContactPack<2>>,
-                        std::int32_t, SolverBodies&);
+template void find_hits(ContactPack<2>&, const SolverBody*, const PassSettings&);
+template void rebound(std::span<Bounce>, std::span<ContactPack<2>>, const PassSettings&, SolverBodies&,
+                      WarmStart*, std::span<Struck>);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<2>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<2>&, WarmStart*);
-template void note_bounce(ContactPack<2>&, Bounce*, std::int32_t, const std::int32_t (&)[4][2],
-                          const std::int32_t (&)[4][2], const std::int32_t (&)[4][2]);
-template void measure_approach(const ContactPack<4>&, Bounce*, const SolverBody*);
-template void keep_approach(const ContactPack<4>&, Bounce*, const std::int32_t (&)[4][4]);
-template void note_warm_start(std::span<const ContactPack<4>>, Bounce*, const WarmStart*,
-                              const SolverBodies&);
-template void give_back(std::span<const std::uint32_t>, std::span<const Bounce>, std::span<ContactPack<4>>,
-                        std::int32_t, SolverBodies&);
+template void find_hits(ContactPack<4>&, const SolverBody*, const PassSettings&);
+template void rebound(std::span<Bounce>, std::span<ContactPack<4>>, const PassSettings&, SolverBodies&,
+                      WarmStart*, std::span<Struck>);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<4>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<4>&, WarmStart*);
-template void note_bounce(ContactPack<4>&, Bounce*, std::int32_t, const std::int32_t (&)[4][4],
-                          const std::int32_t (&)[4][4], const std::int32_t (&)[4][4]);
-template void measure_approach(const ContactPack<8>&, Bounce*, const SolverBody*);
-template void keep_approach(const ContactPack<8>&, Bounce*, const std::int32_t (&)[4][8]);
-template void note_warm_start(std::span<const ContactPack<8>>, Bounce*, const WarmStart*,
-                              const SolverBodies&);
-template void give_back(std::span<const std::uint32_t>, std::span<const Bounce>, std::span<ContactPack<8>>,
-                        std::int32_t, SolverBodies&);
+template void find_hits(ContactPack<8>&, const SolverBody*, const PassSettings&);
+template void rebound(std::span<Bounce>, std::span<ContactPack<8>>, const PassSettings&, SolverBodies&,
+                      WarmStart*, std::span<Struck>);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<8>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<8>&, WarmStart*);
-template void note_bounce(ContactPack<8>&, Bounce*, std::int32_t, const std::int32_t (&)[4][8],
-                          const std::int32_t (&)[4][8], const std::int32_t (&)[4][8]);
 
 } // namespace lockstone::solve

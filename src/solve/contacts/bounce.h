@@ -1,24 +1,40 @@
-// Restitution and rolling resistance: contacts that have them are few, so they are solved one by one.
+// Restitution and rolling resistance. Few contacts have them, so these contacts are solved one by one.
 #pragma once
 
 #include "solve/contacts/prepare.h"
 
 namespace lockstone::solve {
 
-/// After a warm start, which gave `warm` to each body: the work of the impulses that points carry. Where passes take back what it gave too much,
-/// they take no energy of the impact.
+/// The effect of the elastic impacts of a substep on a body.
+struct Struck {
+    std::uint32_t round; ///< the last round of rebound() that changed the body, from 1 on; 0: none
+    std::int64_t time;   ///< of its last impact: fraction of the substep, Unit
+    /// Added to the velocity while the body moves: until the impact the body moves with its old velocity.
+    std::int64_t v[3], u[3];
+};
+
+/// Solves the impacts of elastic contacts before the passes of a substep. A point that comes in faster than
+/// PassSettings::bounce_speed_min and reaches the surface within the substep parts at restitution times the speed of
+/// its impact. Rounds over the contacts follow until no point hits, at most 32: so the last of five balls in a row
+/// leaves at the speed of the first, where passes would share the speed among all five. An impact is no load, so its
+/// impulse is in no warm start; Bounce::impulse sums the impacts of a tick. Impacts cause friction, within the cone and
+/// against the remaining sliding.
+/// source: Stronge, Impact Mechanics (2000)
+/// `bounces`: in the order of contacts. `arrival`: PassData::arrival. `struck`: by body, all zero.
 template <unsigned N>
-void note_warm_start(std::span<const ContactPack<N>> packs, Bounce* bounces, const WarmStart* warm,
-                     const solve::SolverBodies& bodies);
-/// Points that came in fast and were hit go back at restitution times that speed. What still comes in then, in a tick whose last substep left
-/// a part to the next one, is stopped first. The points of a contact together give back at most restitution squared times the energy that they
-/// took together: the part that another contact stopped is given back by that other contact. Impulses that are given so bring friction, within
-/// the cone and against the sliding that is left. source: Stronge, Impact Mechanics (2000)
-/// `lanes`: those of contacts that bounce, in the order of contacts: pack * N + lane.
-template <unsigned N>
-void give_back(std::span<const std::uint32_t> lanes, std::span<const Bounce> bounces,
-               std::span<ContactPack<N>> packs, std::int32_t speed_min, solve::SolverBodies& bodies);
-/// One pass over rolling resistance, bounded by the normal impulses as they are now. For a warm start: the impulses of the last tick.
+void rebound(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, const PassSettings& settings,
+             solve::SolverBodies& bodies, WarmStart* arrival, std::span<Struck> struck);
+/// Adds Struck::v and u to the velocities of the bodies that were hit, before bodies move, and marks these bodies as
+/// plain_struck.
+void begin_ways(std::span<const Struck> struck, solve::SolverBodies& bodies);
+/// Subtracts Struck::v and u again after the move.
+void end_ways(std::span<const Struck> struck, solve::SolverBodies& bodies);
+/// Lists the contacts whose points took an impulse in an elastic impact, in the order of contacts. `contact_of_lane`:
+/// [pack * lanes + lane].
+void list_impacts(std::span<const Bounce> bounces, std::span<const std::uint32_t> contact_of_lane,
+                  std::uint32_t lanes, std::vector<solve::ContactImpact>& out);
+/// One pass over rolling resistance, bounded by the present normal impulses. A warm start applies the impulses of the
+/// last tick instead.
 template <unsigned N>
 void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> packs,
                    solve::SolverBodies& bodies, bool warm_start);

@@ -1,6 +1,6 @@
-// What contacts that bounce keep of a tick: at which speed their points come in, and the energy that these take.
+// Finds the contacts that bounce and are hit in a substep.
 //
-// Included as kernel.h, by which this is used.
+// kernel.h includes this; the rules for its inclusion are there.
 #pragma once
 
 #include "solve/contacts/pack.h"
@@ -8,14 +8,15 @@
 
 namespace lockstone::solve {
 
-/// Of the passes K = Kernel<L>, which say how velocities are gathered and seen by rows.
+/// K = Kernel<L>, the passes: it has the functions that gather velocities and project them on rows.
 template <class L, class K> class BounceKernel {
-    static constexpr unsigned N = L::lanes;
-    using Pack = ContactPack<N>;
+    using Pack = ContactPack<L::lanes>;
     using V = typename L::V;
+    using Mask = LaneMask<L>;
     using Speed = LaneFixed<L, speed_bits>;
+    using Gap = LaneFixed<L, gap_bits>;
 
-    /// Whether all velocities are below 16 m/s: then no speed of a row meets the end of its range, 512 m/s.
+    /// True if all velocities are below 16 m/s: then no speed of a row reaches the end of its range, 512 m/s.
     template <class Pair> static bool is_slow(const Pair& p) {
         constexpr std::int64_t limit = std::int64_t{1} << (accumulator_bits + 4);
         V beyond = L::splat(0);
@@ -27,33 +28,27 @@ template <class L, class K> class BounceKernel {
     }
 
   public:
-    /// measure_approach() of all lanes at once.
-    static void measure(const Pack& c, const PassData& data) {
+    /// find_hits() for all lanes at once.
+    static void find(Pack& c, const PassData& data, const PassSettings& s) {
         typename K::Pair p;
         K::gather(c, data.bodies, p);
-        if (!is_slow(p)) return measure_approach<N>(c, data.bounces, data.bodies);
+        if (!is_slow(p)) return find_hits<L::lanes>(c, data.bodies, s);
         p.round();
         Speed speed[3];
         K::find_speeds(c, p, speed);
-        std::int32_t at[4][N];
-        for (int k = 0; k < c.point_count; ++k) K::at_point(c.points[k], speed).store(at[k]);
-        keep_approach<N>(c, data.bounces, at);
-    }
-
-    /// The speeds of the points before (level and tilts) and after, for the energy that a bounce may give back.
-    template <class Pair>
-    [[gnu::noinline]] static void note(Pack& c, const PassData& data, const PassSettings& s,
-                                       const Speed (&speed)[3], const Speed (&old)[4], Pair& p) {
-        std::int32_t before[4][N] = {}, after[4][N] = {}, impulse[4][N] = {};
-        Speed then[3];
-        p.round();
-        K::find_speeds(c, p, then);
+        const Speed zero = Speed::splat(0);
+        const LaneFixed<L, 0> rate = LaneFixed<L, 0>::splat(s.substeps_per_second);
+        Mask hits = Mask::none();
         for (int k = 0; k < c.point_count; ++k) {
-            K::at_point(c.points[k], speed).store(before[k]);
-            K::at_point(c.points[k], then).store(after[k]);
-            old[k].store(impulse[k]);
+            const auto& point = c.points[k];
+            const Speed closing = zero - K::at_point(point, speed);
+            const Gap gap = min(max(Gap::load(point.gap), Gap::splat(0)), Gap::splat(s.gap_max));
+            const Speed limit = rounded<speed_bits>(gap * rate);
+            const Mask can_push =
+                LaneFixed<L, kappa_bits>::load(point.kappa) > LaneFixed<L, kappa_bits>::splat(0);
+            hits = hits | (can_push & (closing > Speed::splat(s.bounce_speed_min)) & ~(limit > closing));
         }
-        note_bounce<N>(c, data.bounces, s.bounce_speed_min, before, after, impulse);
+        c.struck = (hits & Mask::load(c.bounces)).lanes();
     }
 };
 

@@ -25,10 +25,10 @@ using solve::StepConstants;
 
 namespace {
 
-/// Packs per piece of work that workers take while they are prepared.
+/// Packs per piece of work that a worker takes while packs are prepared.
 constexpr std::uint32_t pack_chunk = 16;
-/// What a processor surely does not keep of packs from pass to pass: then each pass asks for packs before it comes to them, where a pyramid of
-/// base 40 would lose 3 % by it. 50,000 boxes at rest take 33 ms a tick, and 51 without.
+/// Packs of more bytes than this do not stay in a processor's cache from pass to pass, so each pass prefetches the next
+/// packs. For smaller worlds the prefetch costs more than it saves.
 constexpr std::size_t cache_bytes = std::size_t{4} << 20;
 
 } // namespace
@@ -38,27 +38,27 @@ struct ContactSolver::Inside {
     const ContactKernel* kernel = nullptr;
     const solve::BodyKernel* body_kernel = nullptr;
     std::uint32_t pack_count = 0;
-    bool asks_ahead = false;            ///< the packs do not fit into the cache
-    bool started = false;               ///< the warm start from the last tick was given
-    std::vector<std::uint32_t> storage; ///< the packs; of islands, one strand's for each worker
+    bool asks_ahead = false;            ///< the packs do not fit into the cache, so passes prefetch
+    bool started = false;               ///< the warm start from the last tick is done
+    std::vector<std::uint32_t> storage; ///< the packs; with islands, the packs of one strand for each worker
     std::vector<WarmStart> warm;        ///< by body
     std::vector<WarmStart> arrival;     ///< by body: PassData::arrival
-    std::vector<Bounce> bounces;        ///< pack after pack
-    /// Lanes of contacts that bounce, and entries of contacts that roll, in the order of contacts. One thread walks both lists over bodies
-    /// that contacts share, so their order decides bits; the order of packs depends on lanes and workers.
-    std::vector<std::uint32_t> bouncing;
+    /// Contacts that bounce, and contacts that roll, in the order of contacts. One thread walks both lists, and their
+    /// contacts share bodies, so their order decides bits; the order of packs depends on lanes and workers.
+    std::vector<Bounce> bounces;
     std::vector<Rolling> rolling;
+    std::vector<Struck> struck; ///< by body in a substep with impacts, otherwise empty
     /// By contact: pack * lanes + lane. Filled for contacts that bounce or roll.
     std::vector<std::uint32_t> lane_of;
     solve::ContactOrder order;
     solve::ContactPacks in_packs;
     std::span<const std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
     base::Paths paths;
-    // In builds that check the order:
+    // Used in builds that check the order:
     PassCounter counter;
     CheckVector<std::uint32_t> rank_of; ///< by contact
 
-    /// Some bodies, or the first `count`.
+    /// A list of bodies, or the first `count` bodies where `list` is null.
     struct Rows {
         const std::uint32_t* list;
         std::uint32_t count;
@@ -67,7 +67,7 @@ struct ContactSolver::Inside {
     static Rows all_rows(const SolverBodies& bodies) { return {nullptr, bodies.still() + 1}; }
 
     void place_packs(std::uint32_t workers, bool may_run_all, std::span<const Transform> poses);
-    /// A pack's head, and where the rest is found.
+    /// Fills the head of a pack, and the source of the rest.
     template <unsigned N>
     void fill(std::uint32_t pack, ContactPack<N>& to, PackSource& source, const PrepareInput& in) const;
     template <unsigned N>
@@ -77,11 +77,10 @@ struct ContactSolver::Inside {
     void store_packs(std::uint32_t first, std::uint32_t last, const ContactPack<N>* from,
                      std::span<const Contact> contacts, std::span<ContactMemory> memory,
                      ClampCounts& clamps) const;
-    /// Counts the contact of a lane, and those of packs [first, last), in a pass.
+    /// Counts the contact of a lane, or the contacts of packs [first, last), as solved in a pass.
     void count_lane(std::uint32_t lane, std::uint32_t pass);
     void count_packs(std::uint32_t first, std::uint32_t last, std::uint32_t pass);
-    /// Count the contacts of a list that one thread walks, in the order of the list.
-    void count_bouncing();
+    /// Counts the contacts that roll, which one thread solves in the order of their list.
     void count_rolling();
     template <unsigned N> void make_room(std::size_t packs);
     void note_paths(const Tasks* tasks) const;
@@ -102,7 +101,7 @@ struct ContactSolver::Inside {
     /// visit(std::integral_constant<unsigned, N>) for the lane width in use.
     template <class Visit> void with_lanes(Visit&& visit) const;
     PassData data(SolverBodies& bodies) {
-        return {bodies.body.data(), warm.data(), arrival.data(), bounces.data(), pack_count, asks_ahead};
+        return {bodies.body.data(), warm.data(), arrival.data(), pack_count, asks_ahead};
     }
 };
 
@@ -133,19 +132,19 @@ template <class Visit> void ContactSolver::Inside::with_lanes(Visit&& visit) con
 }
 
 void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
-    inside->bounces.reserve(contacts), inside->bouncing.reserve(contacts), inside->rolling.reserve(contacts);
+    inside->bounces.reserve(contacts), inside->rolling.reserve(contacts);
     inside->lane_of.reserve(contacts);
-    inside->warm.reserve(bodies + 1), inside->arrival.reserve(bodies + 1);
+    inside->warm.reserve(bodies + 1), inside->arrival.reserve(bodies + 1), inside->struck.reserve(bodies + 1);
     inside->order.reserve(contacts, bodies), inside->in_packs.reserve(contacts, bodies);
     inside->with_lanes([&](auto width) {
-        // For packs of which half the lanes are used: few scenes have emptier ones.
+        // Enough for packs with half of their lanes in use; few scenes have emptier packs.
         constexpr std::size_t words = sizeof(ContactPack<width()>) / sizeof(std::uint32_t);
         inside->storage.reserve((2 * contacts / width() + 1) * words);
     });
 }
 
-/// Which contacts each pack has, and which of them bounce or roll. Single points have packs of their own, and so have contacts that carry
-/// nothing: those take little time.
+/// Chooses the contacts of each pack, and lists those that bounce or roll. Contacts of one point have packs of their
+/// own, and so have contacts that carried nothing: those packs take little time.
 void ContactSolver::Inside::place_packs(std::uint32_t workers, bool may_run_all,
                                         std::span<const Transform> poses) {
     static_assert(none == ContactPacks::no_contact);
@@ -156,21 +155,18 @@ void ContactSolver::Inside::place_packs(std::uint32_t workers, bool may_run_all,
     lane_contact = in_packs.contact_of_lane();
     pack_count = static_cast<std::uint32_t>(lane_contact.size()) / lanes;
     if constexpr (checks_order) rank_of = order.ranks(), counter.begin(order.body_count());
-    bounces.clear(), bouncing.clear(), rolling.clear();
+    bounces.clear(), rolling.clear();
     if ((order.any_kind() & (ContactOrder::bounces | ContactOrder::rolls)) == 0) return;
     const auto add = [&](auto& table, std::uint32_t lane) {
         auto& entry = table.emplace_back();
         entry.pack = lane / lanes, entry.lane = lane % lanes;
     };
     lane_of.resize(order.down_from_the_top().size());
-    for (std::uint32_t i = 0; i < lane_contact.size(); ++i) {
-        if (lane_contact[i] == none) continue;
-        lane_of[lane_contact[i]] = i;
-        if (order.kind(lane_contact[i]) & ContactOrder::bounces) add(bounces, i);
-    }
+    for (std::uint32_t i = 0; i < lane_contact.size(); ++i)
+        if (lane_contact[i] != none) lane_of[lane_contact[i]] = i;
     for (const std::uint32_t contact : order.down_from_the_top()) {
         const unsigned kind = order.kind(contact);
-        if (kind & ContactOrder::bounces) bouncing.push_back(lane_of[contact]);
+        if (kind & ContactOrder::bounces) add(bounces, lane_of[contact]);
         if (kind & ContactOrder::rolls) add(rolling, lane_of[contact]);
     }
 }
@@ -187,11 +183,6 @@ void ContactSolver::Inside::count_packs(std::uint32_t first, std::uint32_t last,
         for (std::uint32_t lane = first * kernel->lanes; lane < last * kernel->lanes; ++lane)
             count_lane(lane, pass);
 }
-void ContactSolver::Inside::count_bouncing() {
-    const std::uint32_t pass = counter.next_pass();
-    if constexpr (checks_order)
-        for (const std::uint32_t lane : bouncing) count_lane(lane, pass);
-}
 void ContactSolver::Inside::count_rolling() {
     const std::uint32_t pass = counter.next_pass();
     if constexpr (checks_order)
@@ -205,12 +196,12 @@ void ContactSolver::Inside::fill(std::uint32_t pack, ContactPack<N>& to, PackSou
         for (std::size_t i = other * N; i < (other + 1) * N && i < lane_contact.size(); ++i)
             if (lane_contact[i] != none) visit(in.contacts[lane_contact[i]]);
     };
-    // As long as the packs before are prepared they are on their way.
+    // Prefetch data of later packs, which arrives while the packs before them are prepared.
     for_contacts_of(pack + 2 * prepared_at_once, [](const Contact& c) { base::prefetch(c); });
     for_contacts_of(pack + prepared_at_once, [&](const Contact& c) {
         const auto& step = in.bodies.step;
         base::prefetch(step[c.body_a].movable), base::prefetch(step[c.body_b].movable);
-        if (!in_packs.has_islands()) return; // of a large world
+        if (!in_packs.has_islands()) return; // only large worlds have islands
         base::prefetch(in.bodies.body[c.body_a].v), base::prefetch(in.bodies.body[c.body_b].v);
     });
     if (asks_ahead) base::prefetch((&to)[prepared_at_once]);
@@ -225,7 +216,7 @@ void ContactSolver::Inside::fill(std::uint32_t pack, ContactPack<N>& to, PackSou
     fill_pack(to, source, of, in);
 }
 
-/// Packs [first, last), which are kept from `to` on.
+/// Prepares packs [first, last), and writes them from `to` on.
 template <unsigned N>
 void ContactSolver::Inside::prepare_packs(std::uint32_t first, std::uint32_t last, ContactPack<N>* to,
                                           const PrepareInput& in) const {
@@ -250,7 +241,7 @@ void ContactSolver::Inside::note_paths(const Tasks* tasks) const {
 
 template <unsigned N> void ContactSolver::Inside::make_room(std::size_t packs) {
     const std::size_t words = packs * (sizeof(ContactPack<N>) / sizeof(std::uint32_t));
-    base::make_room(storage, words); // resize() alone would take twice as much
+    base::make_room(storage, words); // resize() alone would allocate twice as much
     if (storage.size() < words) storage.resize(words);
     asks_ahead = packs * sizeof(ContactPack<N>) > cache_bytes;
     paths.take(asks_ahead, base::Path::packs_in_cache, base::Path::packs_beyond_cache);
@@ -269,14 +260,14 @@ void ContactSolver::prepare(std::span<const ContactHead> heads, std::span<const 
     if (s.pack_count == 0) return;
     s.note_paths(tasks);
     if (s.in_packs.has_islands())
-        s.warm.resize(bodies.body.size()); // by strand
+        s.warm.resize(bodies.body.size()); // each strand sets the entries of its bodies
     else
         s.warm.assign(bodies.body.size(), {});
     s.arrival.resize(bodies.body.size());
     const PrepareInput in{contacts, memory, mass, step, bodies};
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
-        if (s.in_packs.has_islands()) return; // as their strand comes
+        if (s.in_packs.has_islands()) return; // each strand prepares its packs when it runs
         s.make_room<N>(s.pack_count);
         const std::span<ContactPack<N>> packs = s.packs<N>();
         const auto contact_of = [&](std::uint32_t pack, unsigned lane) {
@@ -286,26 +277,26 @@ void ContactSolver::prepare(std::span<const ContactHead> heads, std::span<const 
                              [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                                  s.prepare_packs<N>(first, last, &packs[first], in);
                              });
-        for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {
-            ContactPack<N>& pack = packs[s.bounces[i].pack];
-            if (pack.bounce == none) pack.bounce = i;
-            ++pack.bounce_count;
-            pack.bounces[s.bounces[i].lane] = -1;
-            fill_bounce(s.bounces[i], contacts[contact_of(s.bounces[i].pack, s.bounces[i].lane)]);
+        for (Bounce& bounce : s.bounces) {
+            packs[bounce.pack].bounces[bounce.lane] = -1;
+            ++packs[bounce.pack].bounce_count;
+            bounce.restitution = contacts[contact_of(bounce.pack, bounce.lane)].restitution.raw;
+            std::ranges::fill(bounce.impulse, 0);
         }
         for (Rolling& rows : s.rolling) fill_rolling(rows, contacts[contact_of(rows.pack, rows.lane)], in);
     });
 }
 
-/// visit(first, last) for pieces of packs in order, those of different strands at the same time.
+/// Calls visit(first, last) for pieces of packs: in order within a strand, and for different strands at the same time.
 template <class Visit> void ContactSolver::Inside::for_each_piece(Tasks* tasks, Visit&& visit) {
     if (tasks == nullptr || in_packs.plan().strands == 0) return visit(0, pack_count);
     base::for_strands(tasks, in_packs.plan(), 1,
                       [&](const base::Piece& piece, base::PieceAt) { visit(piece.first, piece.last); });
 }
 
-/// What the passes give to a body is the difference between its velocities before and after: the velocity is subtracted before a pass and
-/// added after it. Modulo 2^64 that is right even where a velocity in between left its range.
+/// The velocity that the passes give to a body is the difference between its velocities before and after them. So it is
+/// subtracted before a pass and added after it. Modulo 2^64 this is right even where a velocity left its range in
+/// between.
 void ContactSolver::Inside::begin_pass(const SolverBodies& bodies, Rows rows) {
     body_kernel->take_velocities(bodies.body.data(), numbers(warm), rows.list, rows.count);
 }
@@ -364,11 +355,9 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
     s.started = true;
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
-        if (!s.bounces.empty()) note_warm_start<N>(s.packs<N>(), s.bounces.data(), s.warm.data(), bodies);
         if (!s.rolling.empty()) solve_rolling<N>(s.rolling, s.packs<N>(), bodies, true);
     });
     s.count_rolling();
-    if (!s.bounces.empty()) s.kernel->measure_approaches(s.storage.data(), s.pack_count, s.data(bodies));
     keep_velocity(bodies);
 }
 
@@ -378,6 +367,30 @@ static PassSettings settings_of(const StepConstants& step, bool bias) {
     return {static_cast<std::int32_t>(step.substeps_per_second),
             static_cast<std::int32_t>(std::min<std::int64_t>(gap_max, 0x7fffffff)),
             step.restitution_speed_min.raw, bias};
+}
+
+void ContactSolver::rebound(const StepConstants& step, SolverBodies& bodies) {
+    Inside& s = *inside;
+    s.struck.clear();
+    if (s.bounces.empty()) return;
+    const PassSettings settings = settings_of(step, true);
+    if (!s.kernel->find_hits(s.storage.data(), s.pack_count, s.data(bodies), settings)) return;
+    note_energies(bodies);
+    s.struck.assign(bodies.body.size(), Struck{});
+    s.with_lanes([&](auto width) {
+        solve::rebound<width()>(s.bounces, s.packs<width()>(), settings, bodies, s.arrival.data(), s.struck);
+    });
+    keep_energies(bodies);
+    note_u(bodies);
+    begin_ways(s.struck, bodies);
+    keep_velocity(bodies);
+}
+
+void ContactSolver::end_ways(SolverBodies& bodies) {
+    if (inside->struck.empty()) return;
+    note_u(bodies);
+    solve::end_ways(inside->struck, bodies);
+    keep_velocity(bodies);
 }
 
 void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
@@ -403,10 +416,10 @@ void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
 
 bool ContactSolver::has_all_passes() const { return inside->in_packs.runs_all_passes(); }
 
-/// Of pass 0 the warm start, of each later one 1 with bias, and 2 without.
+/// The kind of a pass: 0 for the warm start, which is pass 0; then in turn 1, with bias, and 2, without bias.
 static constexpr std::uint32_t pass_kind(std::uint32_t pass) { return pass == 0 ? 0 : 2 - pass % 2; }
 
-/// What comes between a pass and the next one, for bodies that no contact moves any more in this one.
+/// The steps between a pass and the next one, for bodies that no later contact of this pass moves.
 void ContactSolver::Inside::follow_pass(const StepConstants& step, SolverBodies& bodies, Rows rows,
                                         std::uint32_t pass) {
     const std::span<const std::uint32_t> list(rows.list, rows.count);
@@ -456,8 +469,7 @@ void ContactSolver::solve_islands(std::span<const Contact> contacts, std::span<C
     const std::uint32_t passes = static_cast<std::uint32_t>(2 * step.substeps);
     move_driven(step, bodies, false);
     for (std::uint32_t row = 0; row <= bodies.still(); ++row)
-        if (!s.order.moves(row))
-            s.warm[row] = {}, s.find_arrival(bodies, {&row, 1}); // all strands look at it
+        if (!s.order.moves(row)) s.warm[row] = {}, s.find_arrival(bodies, {&row, 1}); // all strands read it
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
         std::size_t most = 0;
@@ -491,19 +503,6 @@ void ContactSolver::solve_islands(std::span<const Contact> contacts, std::span<C
     });
 }
 
-bool ContactSolver::has_bounces() const { return !inside->bounces.empty(); }
-
-void ContactSolver::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
-    Inside& s = *inside;
-    if (s.bounces.empty()) return;
-    s.count_bouncing();
-    note_u(bodies);
-    s.with_lanes([&](auto width) {
-        give_back<width()>(s.bouncing, s.bounces, s.packs<width()>(), step.restitution_speed_min.raw, bodies);
-    });
-    keep_velocity(bodies);
-}
-
 namespace {
 
 template <unsigned N>
@@ -530,7 +529,8 @@ template <unsigned N>
 void ContactSolver::Inside::store_packs(std::uint32_t first, std::uint32_t last, const ContactPack<N>* from,
                                         std::span<const Contact> contacts, std::span<ContactMemory> memory,
                                         ClampCounts& clamps) const {
-    constexpr std::size_t ahead = 8; // the tables are walked in the order of packs
+    // entries to prefetch ahead: the order of packs visits the tables at scattered places
+    constexpr std::size_t ahead = 8;
     const auto soon = [&](std::size_t lane) { return lane_contact[std::min(lane, lane_contact.size() - 1)]; };
     for (std::uint32_t i = first * N; i < last * N; ++i) {
         const std::uint32_t pack = i / N - first;
@@ -566,6 +566,10 @@ void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMe
     });
 }
 
+void ContactSolver::list_impacts(std::vector<ContactImpact>& out) const {
+    solve::list_impacts(inside->bounces, inside->lane_contact, inside->kernel->lanes, out);
+}
+
 std::string ContactSolver::order_fault() const {
     const Inside& s = *inside;
     if (s.pack_count == 0) return {};
@@ -575,7 +579,7 @@ std::string ContactSolver::order_fault() const {
         return std::ranges::is_sorted(
             list, {}, [&](const auto& entry) { return rank_of[s.lane_contact[lane_of_entry(entry)]]; });
     };
-    if (!is_ordered(s.bouncing, [](std::uint32_t lane) { return lane; }))
+    if (!is_ordered(s.bounces, [&](const Bounce& at) { return at.pack * s.kernel->lanes + at.lane; }))
         return "contacts that bounce are out of order";
     if (!is_ordered(s.rolling, [&](const Rolling& rows) { return rows.pack * s.kernel->lanes + rows.lane; }))
         return "contacts that roll are out of order";
@@ -589,7 +593,7 @@ void ContactSolver::take_paths(base::Paths& to) {
 
 void ContactSolver::poison(std::byte with) {
     Inside& s = *inside;
-    base::poison(with, s.storage, s.warm, s.arrival, s.bounces, s.bouncing, s.rolling, s.lane_of);
+    base::poison(with, s.storage, s.warm, s.arrival, s.bounces, s.rolling, s.struck, s.lane_of);
     s.order.poison(with), s.in_packs.poison(with);
 }
 

@@ -1,7 +1,8 @@
-// The passes over contacts, written once over the lanes L. See contact_solver.h for the symbols, pack.h for the formats.
+// The passes over contacts, written once over the lanes L. See contact_solver.h for the symbols, pack.h for the
+// formats.
 //
-// Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
-// too, since the linker keeps one of their copies.
+// Only files that are compiled for one instruction set include this. It must not use inline functions that other files
+// use too, since the linker keeps only one of their copies.
 // Long: normals, friction and impacts of a pack are one class, whose functions the compiler inlines into each other.
 #pragma once
 
@@ -13,7 +14,7 @@
 #include "solve/lanes/lane_fixed.h"
 
 #if LOCKSTONE_GNU && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized" // of arrays by point: every pack has at least one
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized" // arrays by point: every pack has at least one point
 #endif
 
 namespace lockstone::solve {
@@ -36,14 +37,15 @@ template <class L> class Kernel {
     using Fit = LaneFixed<L, fit_bits>;
     using Velocity = LaneSum<L, accumulator_bits>;
 
-    static constexpr std::int32_t speed_limit = 1 << 28;       ///< 512 m/s: of an error
-    static constexpr std::int32_t answer_limit = 1 << 29;      ///< of an impulse that answers to it
-    static constexpr std::int32_t impact_speed = 1 << 17;      ///< 0.25 m/s: faster than that is a hit
-    static constexpr std::int32_t pull_tolerance = 16;         ///< 3e-5 m/s: less pull than that is rounding
-    static constexpr std::int32_t overlap_max = 1 << gap_bits; ///< 1 m: deeper is pushed out no faster
+    static constexpr std::int32_t speed_limit = 1 << 28;  ///< 512 m/s, of an error of speed
+    static constexpr std::int32_t answer_limit = 1 << 29; ///< of an impulse that corrects such an error
+    static constexpr std::int32_t impact_speed = 1 << 17; ///< 0.25 m/s: a faster impact is a hit
+    static constexpr std::int32_t pull_tolerance = 16;    ///< 3e-5 m/s: a smaller pull is rounding
+    /// 1 m: a deeper overlap is pushed out no faster
+    static constexpr std::int32_t overlap_max = 1 << gap_bits;
     static constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
 
-    /// Velocities of the two bodies of each lane, and what rows see of them.
+    /// Velocities of the two bodies of each lane, and the same rounded to the format of rows.
     struct Pair {
         Velocity a[6], b[6]; ///< v, u
         Speed apart[3], ua[3], ub[3];
@@ -57,7 +59,7 @@ template <class L> class Kernel {
         }
     };
 
-    /// `of`: bodies, or what they start the next substep from.
+    /// `of`: bodies, or the velocities with which they start the next substep.
     template <class Body> static void gather(const Pack& c, const Body* of, Pair& p) {
         const Body *a[N], *b[N];
         for (unsigned lane = 0; lane < N; ++lane)
@@ -68,7 +70,7 @@ template <class L> class Kernel {
         for (int i = 0; i < 6; ++i) p.a[i] = {raw[i]}, p.b[i] = {raw[6 + i]};
     }
 
-    /// Bodies that nothing moves are shared by the packs of all workers, so they are not written.
+    /// Bodies that impulses do not move are shared by the packs of all workers, so they are not written.
     template <class Body> static void scatter(const Pack& c, Body* of, const Pair& p) {
         scatter_side(c.body_a, c.movable_a, of, p.a);
         scatter_side(c.body_b, c.movable_b, of, p.b);
@@ -85,7 +87,7 @@ template <class L> class Kernel {
         if (movable != 0) L::scatter6(to, raw);
     }
 
-    /// What is locked stays where it is.
+    /// Removes velocities along locked axes from the bodies that move.
     static void hold_locked(const Pack& c, const PassData& data, Pair& p) {
         for (int i = 0; i < 3; ++i) {
             std::int64_t a[N], b[N];
@@ -110,8 +112,8 @@ template <class L> class Kernel {
         return bounded(rounded<speed_bits>(dot(d, p.apart) + dot(xa, p.ua) + dot(xb, p.ub)));
     }
 
-    /// Adds impulses along rows of which the first `Lines` have a linear part; component by component, so that velocities are read and
-    /// written once.
+    /// Adds impulses along rows. The first `Lines` rows have a linear part. The loop goes by component, so that each
+    /// velocity is read and written once.
     template <int Lines, int Rows>
     static void push_rows(const Pack& c, int direction, const std::int32_t (&xa)[3][3][N],
                           const std::int32_t (&xb)[3][3][N], const Speed (&w)[3], Pair& p) {
@@ -149,7 +151,7 @@ template <class L> class Kernel {
 
     // ---- gaps ----------------------------------------------------------------------------------------------------
 
-    /// How the bodies moved since the tick began, into the gap of each point.
+    /// Updates the gap of each point from the motion of the bodies since the tick began.
     static void measure_gaps(Pack& c, const PassData& data) {
         const solve::SolverBody *a[N], *b[N];
         for (unsigned lane = 0; lane < N; ++lane)
@@ -184,7 +186,8 @@ template <class L> class Kernel {
             const auto sum = middle * Unit::splat(one) + Gap::load(point.gap0) * Unit::splat(one) +
                              tilt[0] * Unit::load(point.arm[0]) + tilt[1] * Unit::load(point.arm[1]);
             Gap gap = rounded_within<gap_bits>(sum, gap_limit);
-            // The gap of a contact of one point is that of a pack of such contacts alone, also where its motion is beyond the limit of `middle`.
+            // A contact of one point has to get the same gap as in a pack of such contacts alone, also where its motion
+            // exceeds the limit of `middle`.
             if (k == 0) gap = select(Mask::load(c.several), gap, after_motion(point, level));
             gap.store(point.gap);
         }
@@ -197,23 +200,25 @@ template <class L> class Kernel {
 
     // ---- normals -------------------------------------------------------------------------------------------------
 
-    /// The normals of a pack during a visit.
+    /// The normals of a pack during one solve.
     struct Normals {
         Speed speed[3];                  ///< D v: level and tilts
         Speed bias[4], error[4], old[4]; ///< of points
-        Speed now[4];                    ///< impulses that come out
+        Speed now[4];                    ///< new impulses
         Mask soft, hit, idle;
-        Mask leaves; ///< the block does not serve: a point would pull, or one is hit that is no member
+        Mask leaves; ///< the block cannot be used: a point would pull, or a point that is no member is hit
     };
 
-    /// Points that a lane's contact lacks are as far off as a gap can be; at the limit of speeds even they would close.
+    /// True for points that the contact has. A missing point has the largest gap, and at the limit of speeds even such
+    /// a gap would close.
     static Mask is_there(const Point& point) { return Gap::splat(gap_limit) > Gap::load(point.gap0); }
     static Speed at_point(const Point& point, const Speed (&x)[3]) {
         const auto tilts = x[1] * Unit::load(point.arm[0]) + x[2] * Unit::load(point.arm[1]);
         return x[0] + rounded<speed_bits>(tilts);
     }
 
-    /// The speed that a point should have: closing a gap by the end of the substep, or parting what overlaps.
+    /// The bias of a point: the speed that closes a gap by the end of the substep, or minus the speed that pushes
+    /// overlap out.
     static Speed bias_of(const Pack& c, const Point& point, const PassSettings& s, Mask& overlaps) {
         const Gap gap = Gap::load(point.gap);
         const LaneFixed<L, 0> rate = LaneFixed<L, 0>::splat(s.substeps_per_second);
@@ -226,7 +231,7 @@ template <class L> class Kernel {
         return select(apart, closes, max(parts, Speed::load(c.push)));
     }
 
-    /// Along the normal: level and tilts.
+    /// Speeds along the normal rows: level and tilts.
     static void find_speeds(const Pack& c, const Pair& p, Speed (&speed)[3]) {
         speed[0] = line_speed(p, c.d[0], c.normal_a[0], c.normal_b[0]);
         speed[1] = speed[2] = Speed::splat(0);
@@ -245,15 +250,19 @@ template <class L> class Kernel {
             n.bias[k] = bias_of(c, point, s, overlaps);
             n.old[k] = Speed::load(point.impulse);
             const Speed speed = at_point(point, n.speed);
-            // A point that bounces is stopped at the surface within one substep: stopped over two, it would bounce with half its speed.
-            if (!s.soft && c.bounce != none)
-                n.bias[k] = select(~overlaps & Mask::load(c.bounces), max(n.bias[k], -speed), n.bias[k]);
+            // An impact that comes in the next substep is left to rebound(). If this pass stopped it, the bodies would
+            // not part.
+            Mask comes_in = Mask::none();
+            if (!s.soft && c.bounce_count != 0) {
+                comes_in = Mask::load(c.bounces) & (-speed > Speed::splat(s.bounce_speed_min));
+                n.bias[k] = select(comes_in, max(n.bias[k], -speed), n.bias[k]);
+            }
             n.error[k] = speed + n.bias[k];
             const Mask carries = n.old[k] > zero, closes = (zero > n.error[k]) & is_there(point);
             const Mask member = Fit::load(point.fit[0]) > Fit::splat(0);
             busy = busy | carries | closes;
             const Speed stops = speed + (n.bias[k] & ~overlaps);
-            n.hit = n.hit | (member & ((-fast > stops) | ((stops > fast) & carries)));
+            n.hit = n.hit | (member & ~comes_in & ((-fast > stops) | ((stops > fast) & carries)));
             n.leaves = n.leaves | (~member & (carries | closes));
             if (s.soft) n.soft = n.soft | (member & overlaps);
         }
@@ -273,14 +282,14 @@ template <class L> class Kernel {
         q[2] = rounded<speed_bits>(b);
     }
 
-    /// -(inverse) error.
+    /// The impulse that corrects `error`: -(inverse) error.
     static Speed answer(const std::int32_t (&inverse)[6][N], int row, const Speed (&error)[3]) {
         return -rounded_within<speed_bits>(Inverse::load(inverse[lower[row][0]]) * error[0] +
                                                Inverse::load(inverse[lower[row][1]]) * error[1] +
                                                Inverse::load(inverse[lower[row][2]]) * error[2],
                                            answer_limit);
     }
-    /// The part of the impulses that softness takes away: X Q.
+    /// X Q, the part of the impulses that softness takes away.
     static void yield(const Pack& c, const Speed (&q)[3], Speed (&out)[3]) {
         const auto x = [&](int i) { return Response::load(c.softness[i]); };
         out[0] = rounded_within<speed_bits>(x(0) * q[0], speed_limit);
@@ -288,7 +297,7 @@ template <class L> class Kernel {
         out[2] = rounded_within<speed_bits>(x(2) * q[1] + x(3) * q[2], speed_limit);
     }
 
-    /// All members at once.
+    /// Solves all members at once.
     static void solve_block(const Pack& c, const PassSettings& s, const Speed (&q)[3], Normals& n) {
         Speed error[3], after[3];
         for (int i = 0; i < 3; ++i) {
@@ -317,16 +326,16 @@ template <class L> class Kernel {
         }
     }
 
-    /// Solves point after point, forwards and backwards, on the three speeds of the contact; S says how an impulse changes them. It starts
-    /// from the impulses before this visit and not from those of the block: where points are close together these may be far off, and would
-    /// add energy.
+    /// Solves each point in turn, forwards and backwards, on the three speeds of the contact; S gives the change of
+    /// these speeds by an impulse. It starts from the impulses before this pass and not from the result of the block:
+    /// where points are close together, that result may be far off and would add energy.
     static void sweep_points(const Pack& c, Unit mass_scale, Unit impulse_scale, Normals& n) {
         Speed p[4], speed[3] = {n.speed[0], n.speed[1], n.speed[2]};
         const Speed zero = Speed::splat(0);
         for (int k = 0; k < c.point_count; ++k) p[k] = n.old[k];
         Response s[6];
         for (int i = 0; i < 6; ++i) s[i] = Response::load(c.response[i]);
-        constexpr int answer_bits = response_bits - 2; // S times an arm is up to 156
+        constexpr int answer_bits = response_bits - 2; // S times an arm is below 156
         LaneFixed<L, answer_bits> answer[4][3];
         Kappa kappa[4];
         for (int k = 0; k < c.point_count; ++k) {
@@ -353,7 +362,7 @@ template <class L> class Kernel {
         for (int k = 0; k < c.point_count; ++k) n.now[k] = select(n.leaves, p[k], n.now[k]);
     }
 
-    /// The impulse of a contact with one point.
+    /// The new impulse of a contact with one point.
     static Speed single(const Pack& c, Unit mass_scale, Unit impulse_scale, const Normals& n) {
         const Kappa kappa = rounded<kappa_bits>(Kappa::load(c.points[0].kappa) * mass_scale);
         const Speed less =
@@ -361,7 +370,8 @@ template <class L> class Kernel {
         return min(max(n.old[0] - less, Speed::splat(0)), Speed::splat(impulse_limit));
     }
 
-    /// Contacts of one point are solved as in a pack of such contacts alone: bits must not depend on what else is in the pack.
+    /// Contacts of one point get the same impulses as in a pack of such contacts alone: bits must not depend on the
+    /// other lanes of the pack.
     static void solve_several(const Pack& c, const PassSettings& s, Unit mass_scale, Unit impulse_scale,
                               Normals& n, Speed (&w)[3]) {
         Speed q[3];
@@ -372,12 +382,13 @@ template <class L> class Kernel {
         n.leaves = n.leaves & several & ~n.idle;
         for (int k = 0; k < c.point_count; ++k) n.now[k] = n.now[k] & ~n.idle;
         if (n.leaves.any()) sweep_points(c, mass_scale, impulse_scale, n);
-        moments(c, n.now, w); // of the impulses as they are kept, with their rounding
+        moments(c, n.now, w); // from the rounded impulses that are stored
         for (int i = 0; i < 3; ++i) w[i] = w[i] - q[i];
     }
 
-    /// A hit is one where the bodies come together at that speed by themselves: what passes and overlaps push at each other is a load, which
-    /// has to grow until all that carry it give alike.
+    /// Keeps a hit only where the bodies also approach each other faster than 0.25 m/s by their arrival velocities.
+    /// Speeds that come from passes or from overlap are a load, and the impulses of a load have to grow until all
+    /// contacts that carry it share it.
     [[gnu::noinline]] static void keep_hits_of_arrivals(const Pack& c, const PassData& data, Pair& arrival,
                                                         Normals& n) {
         Speed speed[3];
@@ -389,7 +400,7 @@ template <class L> class Kernel {
         n.hit = n.hit & arrives;
     }
 
-    /// What a hit pushed on arrives so at the contacts that are solved later.
+    /// Adds the impulses of hits to the arrival velocities, so that contacts that are solved later find them there.
     [[gnu::noinline]] static void pass_hits_on(const Pack& c, const PassData& data, const Normals& n,
                                                Pair& arrival) {
         Speed change[4], w[3];
@@ -400,7 +411,7 @@ template <class L> class Kernel {
         scatter(c, data.arrival, arrival);
     }
 
-    /// All normals once. False: they gave nothing.
+    /// Solves all normals once. Returns false if all lanes are idle: no point carries or closes.
     static bool solve_normals(Pack& c, const PassData& data, const PassSettings& s, Pair& p) {
         Normals n;
         measure_normals(c, s, p, n);
@@ -413,7 +424,7 @@ template <class L> class Kernel {
         const Unit impulse_scale = s.soft ? Unit::load(c.impulse_scale) & n.soft : zero;
         Speed w[3];
         if (c.point_count == 1) {
-            // Without the mask an idle lane would get an impulse only if another lane of the pack is busy.
+            // Without the mask an idle lane would get an impulse, but only where another lane of the pack is busy.
             n.now[0] = single(c, mass_scale, impulse_scale, n) & ~n.idle;
             w[0] = n.now[0] - n.old[0];
             w[1] = w[2] = Speed::splat(0);
@@ -431,13 +442,13 @@ template <class L> class Kernel {
             c.impacts = 1, c.hit |= n.hit.lanes();
             pass_hits_on(c, data, n, arrival);
         }
-        if (c.bounce_count != 0) Bounces::note(c, data, s, n.speed, n.old, p);
         return true;
     }
 
     // ---- friction ------------------------------------------------------------------------------------------------
 
-    /// Along both tangents and about the normal, within what the normal impulses allow now. False: it gave nothing.
+    /// Solves both tangents and the twist, within the limit of the present normal impulses. Returns false if no lane
+    /// has an impulse.
     static bool solve_friction(Pack& c, const PassData& data, Pair& p) {
         const bool turns = c.point_count > 1;
         Speed pressing = Speed::load(c.points[0].impulse);
@@ -484,7 +495,7 @@ template <class L> class Kernel {
         return true;
     }
 
-    /// Shortens the impulse along the tangents to `limit`: a true cone.
+    /// Shortens the impulse along the tangents to `limit`: an exact cone, no pyramid.
     static void hold_in_cone(Speed limit, Speed& t1, Speed& t2) {
         const auto square = t1 * t1 + t2 * t2;
         const unsigned outside = (square > limit * limit).lanes();
@@ -502,7 +513,7 @@ template <class L> class Kernel {
 
     // ---- impacts -------------------------------------------------------------------------------------------------
 
-    /// forget_impacts() of all lanes at once, where no lane keeps its impact.
+    /// forget_impacts() for all lanes at once, where no lane keeps its impact.
     static void forget_all_impacts(Pack& c, const PassData& data) {
         const Speed zero = Speed::splat(0);
         Speed taken[3] = {zero, zero, zero}, before = zero, after = zero;
@@ -553,8 +564,9 @@ template <class L> class Kernel {
         scatter(c, data.bodies, p);
     }
 
-    /// The soft pass ends with the normals, the relaxing pass with friction. In the soft pass the normal impulse also pushes overlap out:
-    /// bounded by that impulse, friction would brake a body twice that slides while it overlaps.
+    /// The soft pass ends with the normals, the relaxing pass with friction. In the soft pass the normal impulse also
+    /// pushes overlap out: friction within the limit of that impulse would brake a sliding body too much while it
+    /// overlaps.
     static void solve_pack(Pack& c, const PassData& data, const PassSettings& s) {
         Pair p;
         gather(c, data.bodies, p);
@@ -592,13 +604,19 @@ template <class L> class Kernel {
             solve_pack(static_cast<Pack*>(packs)[i], data, settings);
         }
     }
-    static void measure_approaches(const void* packs, std::uint32_t count, const PassData& data) {
-        const Pack* const all = static_cast<const Pack*>(packs);
-        for (std::uint32_t i = 0; i < count; ++i)
-            if (all[i].bounce_count != 0) Bounces::measure(all[i], data);
+    static bool find_hits(void* packs, std::uint32_t count, const PassData& data,
+                          const PassSettings& settings) {
+        Pack* const all = static_cast<Pack*>(packs);
+        std::uint32_t any = 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            if (all[i].bounce_count == 0) continue;
+            Bounces::find(all[i], data, settings);
+            any |= all[i].struck;
+        }
+        return any != 0;
     }
     static constexpr ContactKernel table() {
-        return {N, PrepareKernel<L>::prepare, warm_start, measure_approaches, solve};
+        return {N, PrepareKernel<L>::prepare, warm_start, find_hits, solve};
     }
 };
 

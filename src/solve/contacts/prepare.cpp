@@ -18,11 +18,11 @@ using solve::ContactMemory;
 using solve::ContactPoint;
 
 constexpr std::int64_t unit = std::int64_t{1} << unit_bits;
-constexpr std::int64_t row_limit = std::int64_t{4} << row_bits; ///< of a component of an angular row
+constexpr std::int64_t row_limit = std::int64_t{4} << row_bits; ///< limit of a component of an angular row
 
 std::int32_t low(std::int64_t x) { return static_cast<std::int32_t>(x); }
 
-/// The share of each body in the pair's inverse mass, alpha + beta = 1; 0 for what impulses do not move.
+/// The share of each body in the pair's inverse mass, alpha + beta = 1; 0 for a body that impulses do not move.
 struct ContactShares {
     std::int64_t a, b;
 };
@@ -32,7 +32,7 @@ ContactShares shares_of(const BodyStep& a, const BodyStep& b) {
     std::int64_t ma = a.mass.raw, mb = b.mass.raw;
     if (a.pressed) ma = std::max(ma, mb / pressed_ratio);
     if (b.pressed) mb = std::max(mb, ma / pressed_ratio);
-    // A little above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes would creep.
+    // A little above one half: half of an odd impulse would always be rounded upwards, and resting boxes would creep.
     if (ma == mb) return {unit / 2 + 1, unit / 2 + 1};
     // alpha = mA^-1 / (mA^-1 + mB^-1) = mB / (mA + mB); both below 2^62.
     const int drop = std::max(static_cast<int>(std::bit_width(static_cast<std::uint64_t>(ma + mb))) - 33, 0);
@@ -40,7 +40,7 @@ ContactShares shares_of(const BodyStep& a, const BodyStep& b) {
     return {alpha, unit - alpha};
 }
 
-/// K^-1 times vectors of Length format, to row_bits.
+/// Multiplies vectors in Length format by K^-1, to row_bits.
 class Turner {
   public:
     explicit Turner(const BodyStep& body)
@@ -86,7 +86,7 @@ struct Rows {
 std::int64_t product(const std::int32_t (&x)[3], const std::int32_t (&y)[3]) {
     return std::int64_t{x[0]} * y[0] + std::int64_t{x[1]} * y[1] + std::int64_t{x[2]} * y[2];
 }
-/// What three rows answer to their own impulses: response_bits, below 52.
+/// The responses of three rows to their own impulses: response_bits, below 52.
 void respond(const Rows& rows, ContactShares shares, std::int64_t (&out)[3]) {
     constexpr int drop = 2 * row_bits - response_bits;
     for (int r = 0; r < 3; ++r)
@@ -104,23 +104,22 @@ template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_
     };
     clear(&pack, cleared.data() + cleared.size());
     if (points > 1) clear(&pack.inverse, &pack + 1);
-    pack.bounce = none;
     for (unsigned lane = 0; lane < N; ++lane) pack.body_a[lane] = pack.body_b[lane] = still_body;
 }
 
 namespace {
 
-/// What a pack has once, while lane after lane adds to it.
+/// The data that a pack has once, to which each lane adds.
 struct PackHead {
     std::uint32_t movable_a = 0, movable_b = 0, keeps = 0, locked = 0, points = 0;
 };
 
-/// Contacts with something that does not move are stiffer.
+/// Contacts with a body that impulses do not move are stiffer.
 const Softness& softness_of(const BodyStep& a, const BodyStep& b, const StepConstants& step) {
     return a.movable && b.movable ? step.soft : step.soft_static;
 }
 
-/// What a contact has once: bodies, shares, surface, softness.
+/// Fills the data that a contact has once: bodies, shares, softness, friction.
 template <unsigned N>
 void fill_head(ContactPack<N>& pack, PackHead& head, unsigned lane, const Contact& contact,
                const BodyStep& sa, const BodyStep& sb, const StepConstants& step) {
@@ -140,7 +139,7 @@ void fill_head(ContactPack<N>& pack, PackHead& head, unsigned lane, const Contac
     pack.friction[lane] = contact.friction.raw;
 }
 
-/// What does not move turns by nothing, whatever is known of it.
+/// The inertia of a body; zero for a body that does not move, whatever its entry has.
 const BodyInertia& inertia_of(const BodyStep& step) {
     static constexpr BodyInertia nothing{};
     return step.moves ? step : nothing;
@@ -200,21 +199,15 @@ void stretch_axis(std::int64_t member, std::int64_t farthest, std::int32_t ox, s
     fx = low(shift_right_rounded(fx * longer, 26)), fy = low(shift_right_rounded(fy * longer, 26));
 }
 
-void fill_bounce(Bounce& bounce, const Contact& contact) {
-    bounce.restitution = contact.restitution.raw;
-    for (int k = 0; k < 4; ++k) bounce.approach[k] = bounce.impulse_max[k] = 0;
-    bounce.taken = 0;
-}
-
 namespace {
 
-/// The still body, behind the last, has none.
+/// The mass of a body. The still body, behind the last row, has none.
 const BodyMass& mass_of(const solve::MassView& mass, std::uint32_t body) {
     static constexpr BodyMass nothing{};
     return body < mass.size() ? mass[body] : nothing;
 }
 
-/// The largest principal gyration radius, but at most four times the smallest: rows then stay within their format.
+/// The largest principal gyration radius, limited to four times the smallest: so rows stay within their format.
 Real rolling_length(const BodyMass& mass) {
     const Vec3& k = mass.gyration;
     const Real least = min(k.x, min(k.y, k.z)), most = max(k.x, max(k.y, k.z));

@@ -1,4 +1,4 @@
-// From a contact to its lane of a pack. See contact_solver.h for the symbols.
+// Fills the lane of a pack from a contact. See contact_solver.h for the symbols.
 #pragma once
 
 #include "solve/contacts/contact.h"
@@ -8,7 +8,7 @@
 
 namespace lockstone::solve {
 
-/// What preparing a contact reads.
+/// The inputs of preparing a contact.
 struct PrepareInput {
     std::span<const solve::Contact> contacts;
     std::span<const solve::ContactMemory> memory;
@@ -19,18 +19,17 @@ struct PrepareInput {
 
 using Raw3 = std::array<std::int64_t, 3>;
 
-/// An empty pack: nothing in it moves anything. `points`: most that its contacts will have, at least 1. Those behind stay as they are, and
-/// with one point what only several have: nobody looks at that.
+/// Clears a pack: no lane of it moves a body. `points`: the largest number of points of its contacts; it clears at
+/// least one point. Later points stay as they are, and so do the members for several points where `points` is 1: no
+/// pass reads them.
 template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_body, std::uint32_t points);
-/// The contacts of a pack, by lane, null: none. The pack, which is empty, gets what a contact has once, the source where
-/// ContactKernel::prepare() finds the rest.
+/// Puts the contacts of a pack into its lanes; null: the lane has no contact. The pack has to be clear. It gets the
+/// data that a contact has once, and `source` gets the data from which ContactKernel::prepare() computes the rest.
 template <unsigned N>
 void fill_pack(ContactPack<N>& pack, PackSource& source, const solve::Contact* const (&contacts)[N],
                const PrepareInput& in);
 
-/// The entry of a contact that bounces; its lane is filled already.
-void fill_bounce(Bounce& bounce, const solve::Contact& contact);
-/// The entry of a contact with rolling resistance.
+/// Fills the entry of a contact with rolling resistance.
 void fill_rolling(Rolling& rolling, const solve::Contact& contact, const PrepareInput& in);
 
 } // namespace lockstone::solve

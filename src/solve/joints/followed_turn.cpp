@@ -17,14 +17,14 @@ Vec3 to_real(const std::int64_t v[3]) {
     return {one(v[0]), one(v[1]), one(v[2])};
 }
 
-/// R diag(radii^-2) R^T momentum with the body at `rotation`.
+/// R diag(radii^-2) R^T momentum, R for the body at `rotation`
 Vec3 spin_at(Quat rotation, const FollowedTurn& turn, Vec3 momentum) {
     const Rotation axes = to_rotation(rotation * turn.principal);
     const Vec3 inside = mul_transposed<Real>(axes, momentum);
     return mul<Real>(axes, times_each(times_each(inside, turn.radii_inv), turn.radii_inv));
 }
 
-/// A followed body in its lane.
+/// A followed body, with its lane.
 struct Followed {
     FollowedFour& four;
     unsigned lane;
@@ -36,16 +36,17 @@ struct Followed {
         : four(bodies.fours[at / followed_lanes]), lane(at % followed_lanes), turn(bodies.turns[at]),
           body(bodies.body[turn.body]), step(bodies.step[turn.body]) {}
 
-    /// Angular momentum per mass.
+    /// Angular momentum per mass, K m.
     Vec3 momentum() const {
-        // Far beyond what a body keeps [m/s]: then |g| stays within this and the tip speed limit, and no sum leaves 64 bits.
+        // Far above every speed that a body can keep [m/s]. With it |g| stays below this plus the tip speed limit,
+        // and no sum overflows 64 bits.
         constexpr std::int64_t most = std::int64_t{2048} << accumulator_bits;
         std::int64_t own[3];
         for (int i = 0; i < 3; ++i) own[i] = std::clamp(body.u[i] - four.precession[i][lane], -most, most);
         return mul<Real>(step.gyration, to_real(own));
     }
     Vec3 spin() const { return mul<Real>(step.gyration_inv, to_real(body.u)); }
-    /// u by w, within the tip speed limit; what that changes is g, but of a stiff body.
+    /// Sets u from w, clamped to the tip speed limit. Except for a stiff body, the change of u is added to g.
     void set_spin(Vec3 w, const StepConstants& constants) {
         const Vec3 fast = mul<Real>(step.gyration, w);
         const Real most = to<Real>(constants.tip_speed_max);
@@ -56,7 +57,7 @@ struct Followed {
         }
         give_spin(w);
     }
-    /// As TurnedBody has it.
+    /// Stores w in the format of TurnedBody.
     void give_spin(Vec3 w) {
         constexpr std::int64_t most = std::int64_t{2048} << Speed::fraction_bits;
         for (int i = 0; i < 3; ++i)
@@ -65,30 +66,37 @@ struct Followed {
     }
 };
 
-// ---- one by one, in Real ------------------------------------------------------------------------------------------
+// ---- single bodies, in Real ----------------------------------------------------------------------------------------
 
 Quat quat_of(const FollowedFour::Lanes<std::int32_t> (&q)[4], unsigned i) {
     return {Unit::from_raw(q[0][i]), Unit::from_raw(q[1][i]), Unit::from_raw(q[2][i]),
             Unit::from_raw(q[3][i])};
 }
 
-/// Contacts push a body that has turned as if it had not. Of a thin one the push has then a part about its own axis, where it is
-/// light: the momentum that is left gives it no more energy than rows gave.
-Vec3 limit_energy(Followed f, const FreeTurn& turn, Vec3 momentum) {
-    const Wide given = square_of(to_real(f.body.u)) - f.turn.energy_of_u,
-               most = given.is_negative() ? f.turn.energy : f.turn.energy + given;
-    const Vec3 limited = turn.with_energy(most, f.turn.rotation, momentum, FreeTurn::Keep::not_above);
-    if (limited == momentum) return momentum;
-    const Vec3 change = mul<Real>(f.step.gyration_inv, limited - momentum);
-    constexpr std::int64_t most_u = std::int64_t{1} << 62; // leaves room for what is taken from it
+/// Changes the momentum per mass of a body.
+void set_momentum(Followed f, Vec3 from, Vec3 to) {
+    if (from == to) return;
+    const Vec3 change = mul<Real>(f.step.gyration_inv, to - from);
+    constexpr std::int64_t most_u = std::int64_t{1} << 62; // leaves room for a subtraction
     for (int i = 0; i < 3; ++i)
         f.body.u[i] =
             std::clamp(add_saturated(f.body.u[i], shift_left_saturated(change[i].raw, real_to_accumulator)),
                        -most_u, most_u);
+}
+
+/// Contacts push a turned body with the rows of the start of the tick. On a thin body the push then has a part about
+/// its own axis, where its inertia is small. This limits the momentum so that the body gains no more energy than the
+/// rows gave.
+Vec3 limit_energy(Followed f, const FreeTurn& turn, Vec3 momentum) {
+    const Wide given = square_of(to_real(f.body.u)) - f.turn.energy_of_u,
+               most = given.is_negative() ? f.turn.energy : f.turn.energy + given;
+    const Vec3 limited = turn.with_energy(most, f.turn.rotation, momentum, FreeTurn::Keep::not_above);
+    set_momentum(f, momentum, limited);
     return limited;
 }
 
-/// The turn of a substep, of a body that turns by more than lanes have room for: by its u, or as precess_exactly() has it.
+/// The turn of a substep for a body that turns too far for lanes: by its u, or by its momentum after
+/// precess_exactly().
 void turn_far(Followed f, const StepConstants& step) {
     auto& q = f.four.turn;
     const unsigned i = f.lane;
@@ -105,7 +113,8 @@ void turn_far(Followed f, const StepConstants& step) {
     q[0][i] = next.x.raw, q[1][i] = next.y.raw, q[2][i] = next.z.raw, q[3][i] = next.w.raw;
 }
 
-/// True if rounds of the midpoint rule do not converge: by the momentum, or as lanes have it, by a turn of half a substep of 1/4 rad.
+/// True if the midpoint rule does not converge. The test uses the momentum and, as in lanes, a turn of half a substep
+/// of 1/4 rad.
 bool turns_too_far(const FollowedTurn& turn, Vec3 w, Vec3 momentum, const StepConstants& step) {
     const Vec3 r = turn.radii_inv, speed = abs(w);
     const Real most = max(r.x, max(r.y, r.z)), least = min(r.x, min(r.y, r.z)),
@@ -114,8 +123,8 @@ bool turns_too_far(const FollowedTurn& turn, Vec3 w, Vec3 momentum, const StepCo
            max(speed.x, max(speed.y, speed.z)) >= half_rate / Real(4);
 }
 
-/// w in the middle of the coming substep, which is turned by the momentum. Not so much that u would meet its limit, where precession is
-/// forgotten.
+/// Sets w to that of the middle of the coming substep, with the turn computed from the momentum. The speed stays
+/// below the tip speed limit, because precession is set to zero there.
 void precess_exactly(Followed f, Vec3 momentum, const StepConstants& step) {
     const FreeTurn turn(f.turn.radii_inv, f.turn.principal);
     const Quat middle = turn.turned(f.turn.rotation, momentum, Real(2 * step.substeps_per_second));
@@ -127,7 +136,7 @@ void precess_exactly(Followed f, Vec3 momentum, const StepConstants& step) {
     f.turn.energy = turn.energy(f.turn.rotation, momentum), f.turn.energy_of_u = square_of(to_real(f.body.u));
 }
 
-/// g of a body that turns by more than lanes have room for; with as many rounds.
+/// Computes g of a body that turns too far for lanes, with the same number of rounds.
 void precess_far(Followed f, const StepConstants& step) {
     constexpr int rounds = 3;
     const Unit half_time = Unit::from_raw(step.substep_time.raw / 2);
@@ -141,14 +150,14 @@ void precess_far(Followed f, const StepConstants& step) {
     f.set_spin(w, step);
 }
 
-/// R diag(own^2) R^T w with the body where it is now.
+/// R diag(own^2) R^T w at the present rotation
 Vec3 momentum_of(const FollowedTurn& turn, Vec3 w) {
     const Rotation axes = to_rotation(turn.rotation * turn.principal);
     return mul<Real>(axes, times_each(times_each(mul_transposed<Real>(axes, w), turn.own), turn.own));
 }
 
-/// The gyroscopic torque of the body as it is, in a substep, on the body as it answers. Three rounds of the midpoint rule lose
-/// a little energy; two gain it.
+/// Applies the gyroscopic torque of the real body to the enlarged inertia for a substep. Three rounds of the midpoint
+/// rule lose a little energy; two gain it.
 void precess_stiff(Followed f, const StepConstants& step) {
     constexpr int rounds = 3;
     const Vec3 before = f.spin();
@@ -161,17 +170,18 @@ void precess_stiff(Followed f, const StepConstants& step) {
     f.set_spin(w, step);
 }
 
-// ---- when a tick begins -------------------------------------------------------------------------------------------
+// ---- start of a tick -----------------------------------------------------------------------------------------------
 
-/// Slower than this, arms of contacts, which are those of the start of the tick, are the larger error: a top on a floor
-/// does better if all its turn is made after the tick.
+/// Free bodies are followed beyond 1 / spin_parts rad per tick. Below that, the arms of contacts, which are those of
+/// the start of the tick, are the larger error: a top on a floor behaves better if its whole turn is made after the
+/// tick.
 constexpr int spin_parts = 2;
-/// Chains under load come apart with 4, and gain energy where they are snatched with 8.
+/// For bodies with joints. Chains under load come apart with 4, and gain energy with 8 when they are snatched.
 constexpr int held_parts = 16;
 
-/// Whether a body turns about some axis by more than 1 / `parts` of a radian in a tick.
+/// Tests if a body turns about some axis by more than 1 / `parts` rad in a tick.
 class TurnsBy {
-    std::int32_t most; ///< Speed; at most 1000 ticks a second: below 2^30
+    std::int32_t most; ///< Speed; below 2^30, since there are at most 1000 ticks a second
 
   public:
     TurnsBy(int parts, const StepConstants& step)
@@ -183,15 +193,16 @@ class TurnsBy {
                w.z.raw < -most;
     }
 };
-/// Whether it feels gyroscopic torque.
+/// True if gyroscopic torque acts on the body.
 bool is_gyroscope(const BodyColumns& columns, std::uint32_t row, const BodyStep& s) {
     if (!s.movable || (s.radii.x == s.radii.y && s.radii.y == s.radii.z)) return false;
     return s.turn == 0 && columns.traits(row).gyroscopic != 0 && s.angular_mask == 7u;
 }
 
-/// A body with a radius of gyration beyond so many times another one is thin. The rows of contacts have the arms of the start of the tick: while a thin body
-/// is followed, an impulse that was across its long axis at the start soon has a part along that axis, and spins the body by the square of this
-/// number. A pole gained a thousand times its energy. Unless joints hold it, a thin body is turned after the tick, which adds no energy.
+/// A body is thin if its largest radius of gyration exceeds this many times its smallest. Contact rows have the arms
+/// of the start of the tick. While a thin body is followed, an impulse across its long axis at the start soon has a
+/// part along that axis, and spins the body by the square of this ratio. Without joints, a thin body is therefore not
+/// followed but turned after the tick, which adds no energy.
 constexpr int thin_ratio = 4;
 
 bool is_thin(Vec3 radii) {
@@ -200,12 +211,13 @@ bool is_thin(Vec3 radii) {
 
 template <class T> using Lanes = FollowedFour::Lanes<T>;
 
-/// x / 2^drop rounded, of |x| below 2^62; of a negative drop times a power of two.
+/// x / 2^drop, rounded, for |x| below 2^62. A negative drop multiplies.
 std::int64_t shortened(std::int64_t x, int drop) {
     return drop > 0 ? shift_right_rounded(x, drop) : x * (std::int64_t{1} << std::min(-drop, 30));
 }
 
-/// Mantissas up to 2^30 of a diagonal: the third, and what the others have more. Returns their fraction bits.
+/// Writes a diagonal as mantissas up to 2^30: the third entry, and the differences of the others from it. Returns
+/// their fraction bits.
 int set_diagonal(Lanes<std::int32_t> (&out)[3], unsigned lane, Vec3 d) {
     const int drop = bit_length(magnitude(d.x.raw) | magnitude(d.y.raw) | magnitude(d.z.raw)) - 30;
     std::int64_t m[3];
@@ -215,13 +227,14 @@ int set_diagonal(Lanes<std::int32_t> (&out)[3], unsigned lane, Vec3 d) {
     return Real::fraction_bits - drop;
 }
 
-/// Within what lanes can be shifted by. False: it is not.
+/// Clamps a shift to the range that lanes support. Returns false if this changes it.
 bool set_shift(std::int64_t& out, int shift, int least) {
     out = std::clamp(shift, least, 62);
     return out == shift;
 }
 
-/// radii^-2 / (2 substeps per second), by which a momentum with `momentum_bits` is multiplied. False: there is no room for it.
+/// radii^-2 / (2 substeps per second), the factor of a momentum with `momentum_bits`. Returns false if it does not
+/// fit.
 bool set_half_way(FollowedFour& four, unsigned lane, Vec3 radii_inv, int momentum_bits,
                   std::int32_t half_rate) {
     bool fits = true;
@@ -241,7 +254,7 @@ bool set_half_way(FollowedFour& four, unsigned lane, Vec3 radii_inv, int momentu
     return fits;
 }
 
-/// A mantissa of the time of half a substep in [2^29, 2^30], and its fraction bits.
+/// The time of half a substep as a mantissa in [2^29, 2^30] with fraction bits.
 struct HalfTime {
     std::int32_t mantissa;
     int bits;
@@ -255,25 +268,26 @@ std::int32_t half_rate_of(const StepConstants& step) {
     return static_cast<std::int32_t>(2 * step.substeps_per_second);
 }
 
-/// The square of half of half_turn_most by the difference of K^-2 along the axes of the least and of the largest radius; of `bits`.
+/// The square of half the largest momentum for lanes, with `bits` fraction bits: half_turn_most divided by the
+/// difference of K^-2 along the axes of the smallest and the largest radius.
 std::int64_t momentum_most_of(Vec3 radii_inv, std::int32_t half_rate, int bits) {
     const Real most = max(radii_inv.x, max(radii_inv.y, radii_inv.z)),
                least = min(radii_inv.x, min(radii_inv.y, radii_inv.z));
     const Real momentum = half(half_turn_most) * Real(half_rate) / (most * most - least * least);
-    constexpr std::int64_t any = (std::int64_t{1} << 31) - 1; // no half of a momentum is longer
+    constexpr std::int64_t any = (std::int64_t{1} << 31) - 1; // bound of half a momentum
     const int drop = Real::fraction_bits - bits;
     const std::int64_t halved = std::min(any, drop >= 0 ? shift_right_rounded(momentum.raw, drop)
                                                         : shift_left_saturated(momentum.raw, -drop));
     return halved * halved;
 }
 
-/// What follows from the radii of a body.
+/// Fills the data that depends on the radii of a body.
 void set_radii(FollowedFour& four, unsigned lane, const BodyStep& s, const StepConstants& step) {
     const int k_bits = set_diagonal(four.radii, lane, s.radii),
               inverse_bits = set_diagonal(four.inverses, lane, s.radii_inv);
     four.inverse_bits[lane] = inverse_bits;
     const std::int32_t half_rate = half_rate_of(step);
-    // Of products of two mantissas and fine u, 31 bits are dropped; of those of a turn and K too.
+    // Products of two mantissas and fine u drop 31 bits, and so do products of a turn and K.
     const int to_half =
         inverse_bits + followed_fine_bits - 31 + HalfTime(half_rate).bits - followed_half_bits;
     bool fits = set_shift(four.turn_drop[lane], to_half, 1);
@@ -284,7 +298,7 @@ void set_radii(FollowedFour& four, unsigned lane, const BodyStep& s, const StepC
         set_shift(four.speed_raise[lane], accumulator_bits - (k_bits + followed_half_bits - 31), 0) && fits;
     four.speed_most[lane] = (std::int64_t{step.tip_speed_max.raw} << row_bits) >> four.speed_raise[lane];
     four.alone[lane] = fits ? 0 : -1;
-    // Of products of K' and K^-1, 30 bits are dropped.
+    // Products of K' and K^-1 drop 30 bits.
     const int bits = k_bits + inverse_bits - 30 + followed_change_bits;
     four.change_raise[lane] = std::clamp(accumulator_bits - bits, 0, 62);
     four.change_drop[lane] = std::clamp(bits - accumulator_bits, 0, 62);
@@ -295,13 +309,13 @@ void set_quat(Lanes<std::int32_t> (&out)[4], unsigned lane, Quat q) {
     out[0][lane] = q.x.raw, out[1][lane] = q.y.raw, out[2][lane] = q.z.raw, out[3][lane] = q.w.raw;
 }
 
-/// Room for one more; by an eighth, since all bodies of a heap come in one tick.
+/// Adds an element. A full vector grows by only an eighth, since all bodies of a heap are added in one tick.
 template <class T> T& add(std::vector<T>& v) {
     if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 8 + 16);
     return v.emplace_back();
 }
 
-/// One more body that is followed: which it is.
+/// Adds a body to the followed ones, without its data.
 void follow(std::uint32_t row, SolverBodies& bodies) {
     const std::size_t at = bodies.turns.size();
     FollowedFour& four = at % followed_lanes == 0 ? add(bodies.fours) : bodies.fours.back();
@@ -309,13 +323,13 @@ void follow(std::uint32_t row, SolverBodies& bodies) {
     bodies.step[row].turn = static_cast<std::uint32_t>(at + 1);
 }
 
-/// The numbers of one that is, from which its tick starts.
+/// Fills the data of a followed body for the start of the tick.
 void start_turn(const BodyColumns& columns, std::size_t at, const StepConstants& step, SolverBodies& bodies) {
     const unsigned lane = at % followed_lanes;
     FollowedTurn& turn = bodies.turns[at];
     FollowedFour& four = bodies.fours[at / followed_lanes];
     const std::uint32_t row = turn.body;
-    if (row == bodies.still()) { // of a lane that is not used
+    if (row == bodies.still()) { // lane without a body
         four.start[3][lane] = four.principal[3][lane] = unit_one.raw;
         return;
     }
@@ -331,12 +345,13 @@ void start_turn(const BodyColumns& columns, std::size_t at, const StepConstants&
     set_quat(four.start, lane, normalized(columns.pose[row].rotation));
     set_quat(four.principal, lane, turn.principal);
     set_radii(four, lane, s, step);
-    // Not as other bodies does it end the tick; and where it is damped, its precession is too.
+    // Clears the flags of kernel paths that followed bodies cannot use: they end the tick differently, and damping
+    // also has to damp their precession.
     const bool is_damped = (bodies.plain[row] & plain_damped) != 0;
     bodies.plain[row] &= plain_pose | plain_falls | (is_damped ? 0 : plain_velocity);
 }
 
-/// What turns, but for times.
+/// Pointers of a pass; the times stay zero.
 FollowPass pass_of(SolverBodies& bodies) {
     return {bodies.body.data(), bodies.fours.data(), bodies.turns.data(), 0, 0, 0};
 }
@@ -351,7 +366,7 @@ const FollowKernel& kernel_of(const SolverBodies& bodies) {
     return (bodies.kernel != nullptr ? *bodies.kernel : scalar_bodies).followed;
 }
 
-/// Calls visit(Followed) for those in FollowedFours [first, last) that the kernel left.
+/// Calls visit(Followed) for the lanes in FollowedFours [first, last) that the kernel could not process.
 template <class Visit>
 void for_each_left(SolverBodies& bodies, std::uint32_t first, std::uint32_t last, Visit&& visit) {
     for (std::uint32_t i = first; i < last; ++i)
@@ -360,7 +375,7 @@ void for_each_left(SolverBodies& bodies, std::uint32_t first, std::uint32_t last
                 visit(Followed(bodies, i * followed_lanes + lane));
 }
 
-/// K' and its matrices, and g.
+/// Computes K', its matrices, and g.
 void answer(const FollowPass& pass, const StepConstants& step, SolverBodies& bodies, std::uint32_t first,
             std::uint32_t last) {
     kernel_of(bodies).answer(pass, first, last);
@@ -369,13 +384,13 @@ void answer(const FollowPass& pass, const StepConstants& step, SolverBodies& bod
     });
 }
 
-/// FollowedFours that a worker does at a time.
+/// FollowedFours per chunk of work
 constexpr std::uint32_t fours_chunk = body_chunk / followed_lanes;
 std::uint32_t count_of(const SolverBodies& bodies) { return static_cast<std::uint32_t>(bodies.fours.size()); }
 
 } // namespace
 
-/// The numbers of FollowedFours [first, last) when a tick begins.
+/// Fills the data of FollowedFours [first, last) for the start of a tick.
 static void start_fours(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies,
                         std::uint32_t first, std::uint32_t last) {
     const std::size_t end = std::size_t{last} * followed_lanes;
@@ -387,7 +402,7 @@ static void start_fours(const BodyColumns& columns, const StepConstants& step, S
     for (std::size_t at = std::size_t{first} * followed_lanes; at < end; ++at) {
         Followed f(bodies, at);
         if (f.turn.stiff) f.give_spin(f.spin());
-        // Rows have the K^-1 of the kernel, which changes from here on.
+        // Rows use the K^-1 of the kernel, which changes from here on.
         const BodyInertia now = f.turn.now;
         BodyStep& s = bodies.step[f.turn.body];
         f.turn.now = s;
@@ -401,12 +416,12 @@ void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverB
     const TurnsBy far(spin_parts, step), far_for_joints(held_parts, step);
     const std::uint32_t count = static_cast<std::uint32_t>(columns.info.size());
     for (std::uint32_t row = 0; row < count; ++row) {
-        if (!far_for_joints(columns.velocity[row])) continue; // most do not: their steps are not looked at
+        if (!far_for_joints(columns.velocity[row])) continue; // skips the BodyStep of most bodies
         const BodyStep& s = bodies.step[row];
         if (!is_gyroscope(columns, row, s)) continue;
         if (s.jointed || (far(columns.velocity[row]) && !is_thin(s.radii))) follow(row, bodies);
     }
-    while (bodies.turns.size() % followed_lanes != 0) { // lanes that are not used stand still
+    while (bodies.turns.size() % followed_lanes != 0) { // unused lanes refer to the body that never moves
         bodies.fours.back().row[bodies.turns.size() % followed_lanes] = bodies.still();
         add(bodies.turns).body = bodies.still();
     }
@@ -446,7 +461,7 @@ void forget_precession(SolverBodies& bodies, std::uint32_t turn) {
     for (auto& part : f.four.precession) part[f.lane] = 0;
 }
 
-// ---- rows of now and rows of the start ----------------------------------------------------------------------------
+// ---- conversion between present rows and rows of the start --------------------------------------------------------
 
 void turn_in(const StepConstants& step, SolverBodies& bodies) {
     kernel_of(bodies).turn_in(pass_of(step, bodies), 0, count_of(bodies));
@@ -455,6 +470,35 @@ void turn_out(SolverBodies& bodies) { kernel_of(bodies).turn_out(pass_of(bodies)
 void note_u(SolverBodies& bodies) { kernel_of(bodies).note_u(pass_of(bodies), 0, count_of(bodies)); }
 void keep_velocity(SolverBodies& bodies) {
     kernel_of(bodies).keep_velocity(pass_of(bodies), 0, count_of(bodies));
+}
+
+/// Visits each followed body that conserves its momentum.
+template <class Visit> static void for_each_followed(SolverBodies& bodies, const Visit& visit) {
+    for (std::size_t at = 0; at < bodies.turns.size(); ++at) {
+        const Followed f(bodies, at);
+        if (f.turn.body != bodies.still() && !f.turn.stiff)
+            visit(f, FreeTurn(f.turn.radii_inv, f.turn.principal));
+    }
+}
+void note_energies(SolverBodies& bodies) {
+    note_u(bodies);
+    for_each_followed(bodies, [](Followed f, const FreeTurn& turn) {
+        f.turn.impact_energy = turn.energy(f.turn.rotation, f.momentum());
+        f.turn.impact_energy_of_u = square_of(to_real(f.body.u));
+    });
+}
+void keep_energies(SolverBodies& bodies) {
+    for_each_followed(bodies, [](Followed f, const FreeTurn&) {
+        f.turn.impact_energy_of_u = square_of(to_real(f.body.u)) - f.turn.impact_energy_of_u;
+    });
+    keep_velocity(bodies);
+    for_each_followed(bodies, [](Followed f, const FreeTurn& turn) {
+        if (f.turn.impact_energy_of_u == Wide{}) return; // no impact
+        const Wide most = f.turn.impact_energy + f.turn.impact_energy_of_u;
+        const Vec3 momentum = f.momentum();
+        set_momentum(f, momentum,
+                     turn.shortened_to_energy(most, f.turn.rotation, momentum, FreeTurn::Keep::not_above));
+    });
 }
 
 } // namespace lockstone::solve
