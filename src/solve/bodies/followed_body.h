@@ -34,6 +34,9 @@ inline constexpr unsigned followed_lanes = 4;
 inline constexpr int followed_half_bits = 32;   ///< of turns of half a substep: within 1/4 rad
 inline constexpr int followed_fine_bits = 26;   ///< of u from which turns are made: within 32 m/s
 inline constexpr int followed_change_bits = 23; ///< of changes of u: within 256 m/s
+/// 4096 m/s, 47 fraction bits: limit of |g|. Every function that changes g clamps it, so that clamping it again changes
+/// nothing: a kernel skips its lanes together, if no lane has a change, and instruction sets differ in lanes.
+inline constexpr std::int64_t precession_most = std::int64_t{4096} << 47;
 
 /// Four followed bodies. Masks are all ones or zero.
 struct alignas(32) FollowedFour {

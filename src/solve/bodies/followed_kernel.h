@@ -337,8 +337,7 @@ template <class L> class FollowedBodies {
         for (int i = 0; i < 3; ++i) {
             const V sum =
                 L::add(L::load64(&four.precession[i][lane]), L::both(L::sub(u[i], momentum[i]), follows));
-            L::store64(&four.precession[i][lane],
-                       within(sum, L::splat(std::int64_t{4096} << accumulator_bits)));
+            L::store64(&four.precession[i][lane], within(sum, L::splat(precession_most)));
         }
     }
 
@@ -404,9 +403,9 @@ template <class L> class FollowedBodies {
             const V stays = L::either(left, L::load64(&four.stiff[lane]));
             u_of(pass, four, lane, half, u);
             for (int i = 0; i < 3; ++i) {
-                V& g = own[i];
-                g = L::select(stays, L::load64(&four.precession[i][lane]), L::sub(u[i], own[i]));
-                L::store64(&four.precession[i][lane], g);
+                const V g = within(L::sub(u[i], own[i]), L::splat(precession_most));
+                L::store64(&four.precession[i][lane],
+                           L::select(stays, L::load64(&four.precession[i][lane]), g));
                 b.motion[3 + i] = L::select(stays, b.motion[3 + i], u[i]), spin[i] = speed_of(pass, half[i]);
             }
             L::scatter6(b.at, b.motion);

@@ -38,8 +38,7 @@ struct Followed {
 
     /// Angular momentum per mass, K m.
     Vec3 momentum() const {
-        // Far above every speed that a body can keep [m/s]. With it |g| stays below this plus the tip speed limit,
-        // and no sum overflows 64 bits.
+        // Far above every speed that a body can keep [m/s]; no sum overflows 64 bits.
         constexpr std::int64_t most = std::int64_t{2048} << accumulator_bits;
         std::int64_t own[3];
         for (int i = 0; i < 3; ++i) own[i] = std::clamp(body.u[i] - four.precession[i][lane], -most, most);
@@ -52,7 +51,8 @@ struct Followed {
         const Real most = to<Real>(constants.tip_speed_max);
         for (int i = 0; i < 3; ++i) {
             const std::int64_t u = clamp(fast[i], -most, most).raw * (std::int64_t{1} << real_to_accumulator);
-            if (!turn.stiff) four.precession[i][lane] += u - body.u[i];
+            std::int64_t& g = four.precession[i][lane];
+            if (!turn.stiff) g = std::clamp(g + u - body.u[i], -precession_most, precession_most);
             body.u[i] = u;
         }
         give_spin(w);

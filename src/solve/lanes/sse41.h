@@ -51,9 +51,12 @@ struct Sse41 {
     static V max32(V a, V b) { return _mm_max_epi32(a, b); }
     static V min32(V a, V b) { return _mm_min_epi32(a, b); }
     static V greater32(V a, V b) { return _mm_shuffle_epi32(_mm_cmpgt_epi32(a, b), _MM_SHUFFLE(2, 2, 0, 0)); }
-    /// Uses the sign of b - a: compared values are below 2^62.
+    /// The high halves decide, and where they are equal, the sign of b - a. That sign alone would be wrong for values
+    /// that are more than 2^63 apart.
     static V greater64(V a, V b) {
-        return _mm_srai_epi32(_mm_shuffle_epi32(_mm_sub_epi64(b, a), _MM_SHUFFLE(3, 3, 1, 1)), 31);
+        const V equal_high = _mm_and_si128(_mm_cmpeq_epi32(a, b), _mm_sub_epi64(b, a));
+        const V high = _mm_or_si128(equal_high, _mm_cmpgt_epi32(a, b));
+        return _mm_srai_epi32(_mm_shuffle_epi32(high, _MM_SHUFFLE(3, 3, 1, 1)), 31);
     }
     static V select(V mask, V a, V b) { // blends doubles: see avx2.h
         return _mm_castpd_si128(

@@ -164,13 +164,260 @@ Story plate_beyond_its_margin() {
     return s;
 }
 
+// Impacts drive a velocity to the end of its range. SSE4.1 compared numbers of 64 bits by the sign of their difference,
+// which overflowed.
+// Long: a line for each value.
+Story saturated_velocity() {
+    Story s = kept(2);
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.pose.position.x, -4294963215781069);
+        set(c.def.pose.position.y, -4294950116130815);
+        set(c.def.pose.position.z, 4294967295999970);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 1);
+        set(c.def.geometry.kind, 2);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 2955385);
+        set(c.def.geometry.half_extent.y, 4688704);
+        set(c.def.geometry.half_extent.z, 2955385);
+        set(c.def.restitution, 2559555051);
+    });
+    add<CreateBody>(s, 0, [](auto& c) { (void)c; });
+    add<CreateShape>(s, 0, [](auto& c) { name(c.body, 3); });
+    add<CreateBody>(s, 0, [](auto& c) { (void)c; });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 5);
+        set(c.def.geometry.radius, 1677721600);
+        set(c.def.local.rotation.z, -374250649);
+        set(c.def.local.rotation.w, 1006408444);
+    });
+    add<CreateBody>(s, 0, [](auto& c) { (void)c; });
+    add<CreateShape>(s, 0, [](auto& c) { name(c.body, 7); });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.pose.position.x, -4294959135562138);
+        set(c.def.pose.position.y, -4294950116130815);
+        set(c.def.pose.position.z, 4294975456437832);
+        set(c.def.linear_velocity.z, 935205700612);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 9);
+        set(c.def.geometry.kind, 4);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 1677721600);
+        set(c.def.geometry.half_extent.y, 1677721600);
+        set(c.def.geometry.half_extent.z, 1677721600);
+        set(c.def.local.position.z, -274877906944);
+        set(c.def.local.rotation.y, 646744766);
+        set(c.def.local.rotation.w, 857113010);
+        set(c.def.surface_velocity.z, -429496729600);
+    });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.pose.position.x, -4294955055343207);
+        set(c.def.pose.position.y, -4294950116130815);
+        set(c.def.pose.position.z, 4294975456437832);
+        set(c.def.pose.rotation.z, -739309808);
+        set(c.def.pose.rotation.w, 778679980);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 11);
+        set(c.def.geometry.kind, 4);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 1548023210);
+        set(c.def.geometry.half_extent.y, 1677721600);
+        set(c.def.geometry.half_extent.z, 1677721600);
+        set(c.def.local.position.z, 274877906944);
+        set(c.def.local.rotation.y, 204123257);
+        set(c.def.local.rotation.z, 937852932);
+        set(c.def.local.rotation.w, 481159898);
+        set(c.def.density, 42949673);
+        set(c.def.restitution, 4294967296);
+    });
+    add<CreateBody>(s, 0, [](auto& c) { (void)c; });
+    add<CreateShape>(s, 0, [](auto& c) { name(c.body, 13); });
+    add<CreateJoint>(s, 0, [](auto& c) {
+        name(c.def->body_a, 13);
+        name(c.def->body_b, 1);
+    });
+    add<CreateJoint>(s, 0, [](auto& c) {
+        name(c.def->body_a, 1);
+        name(c.def->body_b, 5);
+        set(c.def->frame_a.position.x, 4080218931);
+    });
+    return s;
+}
+
+// The precession of a followed body was longer than 4096 m/s. A kernel clamped it only where another body of its lanes
+// had a change.
+// Long: a line for each value.
+Story long_precession() {
+    Story s = kept(1);
+    set(s.def.tick_rate, 863);
+    set(s.def.substeps, 14);
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.locks, 52);
+        set(c.def.pose.position.x, -3865470578699693049);
+        set(c.def.pose.position.y, 3115054293356252668);
+        set(c.def.pose.position.z, -3865470573397510636);
+        set(c.def.mass, 65536004294901);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 1);
+        set(c.def.geometry.kind, 4);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 894700453);
+        set(c.def.geometry.half_extent.y, 497576698);
+        set(c.def.geometry.half_extent.z, 1677721600);
+        set(c.def.local.position.y, -274877906944);
+    });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.kind, 0);
+        set(c.def.pose.position.x, -3865470573626628834);
+        set(c.def.pose.position.y, 3115054293669682028);
+        set(c.def.pose.position.z, -3865470565510327947);
+        set(c.def.pose.rotation.x, -935714591);
+        set(c.def.pose.rotation.w, 526649512);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 3);
+        set(c.def.geometry.kind, 3);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 1677721600);
+        set(c.def.geometry.half_extent.y, 1677721600);
+        set(c.def.geometry.half_extent.z, 1677721600);
+        set(c.def.geometry.scale.x, 67108864);
+        set(c.def.geometry.scale.y, 67108864);
+        set(c.def.geometry.scale.z, 67108864);
+        set(c.def.local.position.y, 274877906943);
+        set(c.def.local.position.z, -14369126725);
+        set(c.def.local.rotation.z, 524087007);
+        set(c.def.local.rotation.w, 937152236);
+        set(c.def.friction, 17179869184);
+        set(c.def.surface_velocity.y, 429496729600);
+    });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.pose.position.x, -3865470555899732817);
+        set(c.def.pose.position.y, 3115054293826396708);
+        set(c.def.pose.position.z, -3865470554195436625);
+        set(c.def.pose.rotation.x, -739673050);
+        set(c.def.pose.rotation.w, 778334943);
+        set(c.def.angular_velocity.x, 17587891077119);
+        set(c.def.angular_velocity.y, -17587891077120);
+        set(c.def.mass, 2917771745125567711);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 5);
+        set(c.def.geometry.kind, 2);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 41943);
+        set(c.def.geometry.half_extent.y, 1677721600);
+        set(c.def.geometry.half_extent.z, 41943);
+        set(c.def.local.position.z, 274877906943);
+    });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.pose.position.x, -3865470569094292937);
+        set(c.def.pose.position.y, 3115054294139826068);
+        set(c.def.pose.position.z, -3865470573424370690);
+        set(c.def.pose.rotation.x, 98973197);
+        set(c.def.pose.rotation.y, 367483730);
+        set(c.def.pose.rotation.z, -344564702);
+        set(c.def.pose.rotation.w, 943057095);
+        set(c.def.angular_velocity.x, 17587354337280);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 7);
+        set(c.def.geometry.radius, 1677721600);
+        set(c.def.local.position.x, -257698037760);
+        set(c.def.local.position.z, 240518168576);
+        set(c.def.local.rotation.y, 718333163);
+        set(c.def.local.rotation.w, 798072034);
+    });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.locks, 3);
+        set(c.def.pose.position.x, -3865470562316916113);
+        set(c.def.pose.position.y, 3115054296020402230);
+        set(c.def.pose.position.z, -3865470570209915471);
+        set(c.def.pose.rotation.x, 803259319);
+        set(c.def.pose.rotation.w, 712527874);
+        set(c.def.angular_velocity.z, 17586817597440);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 9);
+        set(c.def.geometry.kind, 2);
+        set(c.def.geometry.radius, 0);
+        set(c.def.geometry.half_extent.x, 1677721600);
+        set(c.def.geometry.half_extent.y, 41943);
+        set(c.def.geometry.half_extent.z, 1677721600);
+        set(c.def.local.position.x, -274877906944);
+        set(c.def.local.position.y, -274877906880);
+        set(c.def.local.position.z, 274877906944);
+    });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.locks, 44);
+        set(c.def.pose.position.x, -3865470553668982951);
+        set(c.def.pose.position.y, 3115054297274119672);
+        set(c.def.pose.position.z, -3865470583632832648);
+        set(c.def.angular_velocity.y, -11299064685);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 11);
+        set(c.def.geometry.kind, 5);
+        set(c.def.geometry.scale.x, 1677721600);
+        set(c.def.geometry.scale.y, 1677721600);
+        set(c.def.geometry.scale.z, 1677720800);
+        set(c.def.geometry.asset.value, -9220117545996843044);
+        set(c.def.local.position.x, 274877906944);
+        set(c.def.local.position.y, -274877906944);
+        set(c.def.local.position.z, -274877906912);
+        set(c.def.restitution, 2347166629);
+        set(c.def.surface_velocity.z, 429496729600);
+    });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.kind, 0);
+        set(c.def.pose.position.x, -3865470553719711446);
+        set(c.def.pose.position.y, 3115054301035271995);
+        set(c.def.pose.rotation.x, -574208285);
+        set(c.def.pose.rotation.y, -263057492);
+        set(c.def.pose.rotation.z, 213652464);
+        set(c.def.pose.rotation.w, 841641094);
+    });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 13);
+        set(c.def.geometry.kind, 9);
+        set(c.def.geometry.radius, 0);
+        set(c.def.local.rotation.x, 776153375);
+        set(c.def.local.rotation.w, 741961888);
+    });
+    add<CreateBody>(s, 0, [](auto& c) {
+        set(c.def.pose.position.x, -3865470559417545780);
+        set(c.def.pose.position.y, 3115054301191986676);
+        set(c.def.pose.position.z, -3865470578471786265);
+        set(c.def.pose.rotation.z, 253494321);
+        set(c.def.pose.rotation.w, 1043389732);
+    });
+    add<CreateShape>(s, 0, [](auto& c) { name(c.body, 15); });
+    add<CreateShape>(s, 0, [](auto& c) {
+        name(c.body, 15);
+        set(c.def.geometry.radius, 1677721600);
+        set(c.def.local.position.x, -274877906944);
+        set(c.def.local.position.z, 274877906944);
+    });
+    add<CreateJoint>(s, 0, [](auto& c) {
+        name(c.def->body_a, 1);
+        name(c.def->body_b, 5);
+    });
+    return s;
+}
+
 } // namespace
 
 std::vector<KeptStory> kept_stories() {
     return {{"a contact that does nothing gets no impulse from its pack", idle_lane()},
             {"the gap of a contact of one point does not depend on its pack", far_motion()},
             {"a character moves where all passes are one run", character_in_a_crowd()},
-            {"a plate has a contact by its own margin", plate_beyond_its_margin()}};
+            {"a plate has a contact by its own margin", plate_beyond_its_margin()},
+            {"velocities at the end of their range are compared alike", saturated_velocity()},
+            {"a long precession is clamped once", long_precession()}};
 }
 
 std::string first_apart(const Story& story) {
