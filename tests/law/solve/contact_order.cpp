@@ -398,15 +398,17 @@ TEST_CASE("packs serve again while the order is the same, and not longer") {
 
 // 40 mm is half of Box3D's overlap in such a heap of a thousand bodies, and a third more than Bullet's. A solver that
 // drops loads as if they were impacts fails the bound in four of these eight heaps; a correct one fails it in one or
-// two of 24.
-TEST_CASE("what is rammed into each other when a heap lands comes apart, in three of four heaps at least") {
+// two of 24. A sanitizer's sample of one heap could not tell them apart, so sanitized builds skip this test.
+TEST_CASE("what is rammed into each other when a heap lands comes apart, in three of four heaps at least" *
+          doctest::skip(test::is_too_long_here())) {
+    constexpr int heaps = 8;
     int deeper = 0;
-    for (int seed = 1; seed <= test::tries(8); ++seed) {
+    for (int seed = 1; seed <= heaps; ++seed) {
         World w = dropped(static_cast<std::uint64_t>(seed));
         double while_landing = 0;
         for (int t = 0; t < 100; ++t) while_landing = std::max(while_landing, deepest_mm(w, 1));
         CHECK(while_landing > 40); // negative control: the landing rams bodies
         deeper += deepest_mm(w, 500) < 40 ? 0 : 1;
     }
-    CHECK(deeper <= test::tries(8) / 4);
+    CHECK(deeper <= heaps / 4);
 }
