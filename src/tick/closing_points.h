@@ -26,6 +26,19 @@ inline bool has_far_points(const collide::Manifold& manifold) {
     return is_far;
 }
 
+/// Moves the points of a gap onto the surface of B (`on_b`) or of A, from the middle of the gap. The gap may be wider than
+/// a thin shape is thick. A lever to the middle of the gap then gives friction an arm about the long axis that the body
+/// does not have, and a pole whose end reaches the floor within a tick spins about its axis with many times its energy.
+inline void put_on_surface(bool on_b, collide::Manifold& manifold) {
+    for (std::uint32_t k = 0; k < manifold.count; ++k) {
+        collide::ManifoldPoint& point = manifold.points[k];
+        if (point.separation <= Separation{}) continue;
+        const Separation by = on_b ? half(point.separation) : -half(point.separation);
+        for (int axis = 0; axis < 3; ++axis)
+            point.position[axis] += to<Length>(mul<Separation>(by, manifold.normal[axis]));
+    }
+}
+
 template <class Keeps> void keep_points(collide::Manifold& manifold, const Keeps& keeps) {
     std::uint32_t kept = 0;
     for (std::uint32_t k = 0; k < manifold.count; ++k) {

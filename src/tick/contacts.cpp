@@ -216,6 +216,14 @@ Length point_margin(const View& v, const CandidatePair& c) {
     return max(c.margin, to<Length>(to<Real>(margin_least) + min(moves, extent) * Real(2)));
 }
 
+/// Puts the points of gaps onto the surface of the thinner shape, if a shape is thin.
+void put_on_thin(const CandidatePair& c, collide::Manifolds& manifolds) {
+    const bool thin_a = is_thin(*c.at_a), thin_b = is_thin(*c.at_b);
+    if (!thin_a && !thin_b) return;
+    const bool on_b = thin_b && (!thin_a || c.at_b->inner <= c.at_a->inner);
+    for (std::uint32_t i = 0; i < manifolds.count; ++i) put_on_surface(on_b, manifolds.items[i]);
+}
+
 /// Computes the manifolds of a pair. `apart` is a hint, which the function updates for the next tick. `old`: the
 /// pair's rows of the last tick.
 void make_manifolds(const View& v, const CandidatePair& c, const PairPlace& place, UnitVec3& apart,
@@ -235,6 +243,7 @@ void make_manifolds(const View& v, const CandidatePair& c, const PairPlace& plac
     if (looks_farther) collide_within(farther);
     if (c.margin > margin_least)
         leave_out_far_points(v, c, looks_farther ? v.half_tick + v.half_tick : v.half_tick, out);
+    if (c.margin > margin_least) put_on_thin(c, out);
     apart = out.apart;
 }
 

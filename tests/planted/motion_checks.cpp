@@ -364,6 +364,7 @@ std::string zoo_fault(zoo::Case (*draw)(std::uint64_t),
 
 std::string rest_and_sleep_agree() {
     std::string found = zoo_fault(zoo::draw_single, zoo::asleep_law, 40);
+    if (found.empty()) found = zoo_fault(zoo::draw_single, zoo::woken_law, 80);
     return found.empty() ? zoo_fault(zoo::draw_pair, zoo::woken_law, 60) : found;
 }
 
@@ -382,7 +383,7 @@ std::string ragdolls_land() {
 
 std::string plates_slap() {
     const test::Slaps slaps = test::slap_many(100);
-    return slaps.deep <= 15 ? "" : std::to_string(slaps.deep) + " of 100 plates sink into the floor";
+    return slaps.deep <= 21 ? "" : std::to_string(slaps.deep) + " of 100 plates sink into the floor";
 }
 
 /// A plate 10 cm above a parallel slope falls by 7 cm in a tick: it has no contact.
@@ -431,6 +432,12 @@ Checks motion_checks() {
         {"lumpy objects rest", lumpy_objects_rest},
         {"beams rest", beams_rest},
         {"rest and sleep agree", rest_and_sleep_agree},
+        {"poles and plates gain no energy",
+         [] {
+             for (const zoo::Case& c : {zoo::draw_shot(448), zoo::draw_shot(453), zoo::draw_shot(2678)})
+                 if (std::string found = zoo::energy_law(c, zoo::track(c)); !found.empty()) return found;
+             return std::string();
+         }},
         {"shots stay above floors", [] { return zoo_fault(zoo::draw_shot, zoo::passage_law, 60); }},
         {"pairs in space keep momentum", [] { return zoo_fault(zoo::draw_meeting, zoo::momentum_law, 40); }},
         {"stopped balls have fallen as far as they went",

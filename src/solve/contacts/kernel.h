@@ -482,10 +482,10 @@ template <class L> class Kernel {
             if (turns) sum = sum + Inverse::load(c.slide_inverse[lower[r][2]]) * speed[2];
             now[r] = old[r] - rounded_within<speed_bits>(sum, speed_limit);
         }
-        hold_in_cone(limit, now[0], now[1]);
         if (turns)
-            now[2] =
-                clamp(now[2], rounded_within<speed_bits>(friction * rounded<speed_bits>(reach), speed_limit));
+            limit_twist(c, rounded_within<speed_bits>(friction * rounded<speed_bits>(reach), speed_limit),
+                        now);
+        hold_in_cone(limit, now[0], now[1]);
         for (int r = 0; r < 3; ++r) {
             w[r] = now[r] - old[r];
             now[r].store(c.slide[r]);
@@ -493,6 +493,33 @@ template <class L> class Kernel {
         push_slide(c, w, p);
         if (c.locked != 0) hold_locked(c, data, p);
         return true;
+    }
+
+    /// Limits the impulse about the normal. Where that shortens it, the function solves the two tangents again: with the inverse
+    /// matrix B of the three rows, a twist that is shorter by d moves tangent r by d B[r][2] / B[2][2]. Tangents that belong to
+    /// the full twist may push a body in the direction in which it slides. A plate that hit the floor with one of its two
+    /// points gained energy by it.
+    static void limit_twist(const Pack& c, Speed most, Speed (&now)[3]) {
+        const Speed within = clamp(now[2], most);
+        const unsigned cut = ((within > now[2]) | (now[2] > within)).lanes();
+        if (cut == 0) return;
+        std::int32_t full[N], limited[N], tangents[2][N];
+        now[2].store(full), within.store(limited);
+        for (int r = 0; r < 2; ++r) now[r].store(tangents[r]);
+        for (unsigned lane = 0; lane < N; ++lane) {
+            const std::int64_t own = c.slide_inverse[lower[2][2]][lane];
+            if (((cut >> lane) & 1u) == 0 || own <= 0) continue;
+            const std::int64_t change = std::int64_t{limited[lane]} - full[lane];
+            for (int r = 0; r < 2; ++r) {
+                const std::int64_t moved =
+                    tangents[r][lane] + change * c.slide_inverse[lower[2][r]][lane] / own;
+                tangents[r][lane] = static_cast<std::int32_t>(moved > speed_limit    ? speed_limit
+                                                              : moved < -speed_limit ? -speed_limit
+                                                                                     : moved);
+            }
+        }
+        for (int r = 0; r < 2; ++r) now[r] = Speed::load(tangents[r]);
+        now[2] = within;
     }
 
     /// Shortens the impulse along the tangents to `limit`: an exact cone, no pyramid.

@@ -58,15 +58,29 @@ int seeds(int whole) { return is_long_run() ? 100'000 : tries(whole); }
 
 // Order of the shares: energy, depth, passage, asleep, woken, settled, momentum, held.
 TEST_CASE("single objects that are dropped keep the laws of the zoo") {
-    check_laws(draw_single, seeds(300), {10, 7, 2, 20, 17, 23, 0, 10});
+    check_laws(draw_single, seeds(300), {3, 10, 2, 20, 17, 23, 0, 10});
 }
 
 TEST_CASE("objects that are shot and spun at thick and thin floors keep the laws of the zoo") {
-    check_laws(draw_shot, seeds(300), {40, 7, 6, 2, 1, 0, 0, 70});
+    check_laws(draw_shot, seeds(300), {17, 7, 6, 2, 1, 0, 0, 70});
 }
 
 TEST_CASE("pairs that are stacked and thrown, of mass ratios up to 10,000, keep the laws of the zoo") {
     check_laws(draw_pair, seeds(300), {3, 203, 1, 60, 57, 90, 0, 50});
+}
+
+TEST_CASE("a pole or a plate whose end reaches the floor within a tick gains no energy") {
+    const auto check = [](Case (*draw)(std::uint64_t), std::initializer_list<std::uint64_t> list) {
+        for (const std::uint64_t seed : list) {
+            const Case c = draw(seed);
+            const std::string fault = energy_law(c, track(c));
+            CHECK_MESSAGE(fault.empty(), c.about(), ": ", fault);
+        }
+    };
+    check(draw_single, {34, 725, 1613}); // poles of 4 to 13 m that fall and spin
+    check(draw_shot,
+          {448, 453, 512, 572, 894, 1571, 2445, 2563, 2586, 2678}); // rods and plates at 5 to 40 m/s
+    check(draw_pair, {2090});
 }
 
 TEST_CASE("pairs that meet in space keep momentum, angular momentum and energy") {

@@ -4,8 +4,6 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-
 using namespace lockstone::test;
 
 TEST_CASE("a plate that slaps onto a floor does not sink in") {
@@ -27,6 +25,7 @@ TEST_CASE("few random plates that slap onto a floor sink in") {
     const Slaps slaps = slap_many(count);
     CAPTURE(slaps.deep);
     CAPTURE(slaps.deepest);
-    CHECK(slaps.deep <= std::max(count * 3 / 20, 1));
+    // 12 of 100 plates sink in, out of 2,000. The share of a small sample varies: one and a half times as many, and three more.
+    CHECK(slaps.deep <= 3 + count * 18 / 100);
     CHECK(slaps.deepest <= 0.1);
 }
