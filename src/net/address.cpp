@@ -2,6 +2,7 @@
 #include "lockstone/net.h"
 
 #include "base/text.h"
+#include "net/udp/ipv4.h"
 #include "net/udp/system_socket.h"
 
 #include <algorithm>
@@ -10,12 +11,6 @@
 
 namespace lockstone {
 namespace {
-
-constexpr std::array<std::uint8_t, 12> ipv4_mapped = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
-
-bool is_ipv4(const NetAddress& address) {
-    return std::ranges::equal(ipv4_mapped, std::span(address.ip).first<12>());
-}
 
 Error not_an_address(std::string_view text) {
     return {base::join("'", text, "' is no address; write 192.0.2.7:7777 or [2001:db8::7]:7777")};
@@ -36,14 +31,14 @@ Result<NetAddress> parse_address(std::string_view text) {
         if (inet_pton(AF_INET6, host.c_str(), made.ip.data()) != 1) return not_an_address(text);
         return made;
     }
-    std::ranges::copy(ipv4_mapped, made.ip.begin());
+    std::ranges::copy(net::ipv4_mapped, made.ip.begin());
     if (inet_pton(AF_INET, host.c_str(), made.ip.data() + 12) != 1) return not_an_address(text);
     return made;
 }
 
 std::string to_string(const NetAddress& address) {
     std::array<char, INET6_ADDRSTRLEN> text{};
-    if (is_ipv4(address)) {
+    if (net::is_ipv4(address)) {
         inet_ntop(AF_INET, address.ip.data() + 12, text.data(), text.size());
         return base::join(text.data(), ":", address.port);
     }

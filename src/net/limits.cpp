@@ -1,11 +1,12 @@
 #include "net/limits.h"
 
+#include "net/udp/ipv4.h"
+
 namespace lockstone::net {
 
 Bytes source_of(const NetAddress& address) {
-    const bool is_ipv4 =
-        std::ranges::all_of(std::span(address.ip).first<10>(), [](std::uint8_t b) { return b == 0; });
-    return std::as_bytes(std::span(address.ip)).subspan(is_ipv4 ? 12 : 0, is_ipv4 ? 4 : 8);
+    const bool four = is_ipv4(address);
+    return std::as_bytes(std::span(address.ip)).subspan(four ? 12 : 0, four ? 4 : 8);
 }
 
 Bytes network_of(const NetAddress& address) {

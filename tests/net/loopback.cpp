@@ -227,6 +227,10 @@ TEST_CASE("net: a socket takes IPv4 and IPv6, gives nothing when nothing is ther
     const auto taken = UdpSocket::open(a.local_address());
     REQUIRE_FALSE(taken);
     CHECK(taken.error().message.find("cannot listen at 127.0.0.1:") == 0);
+    // No interface has this address. Its last four bytes are zero, as those of 0.0.0.0 are.
+    const auto foreign = UdpSocket::open(parse_address("[2001:db8:1:2:3:4::]:0").value());
+    REQUIRE_FALSE(foreign);
+    CHECK(foreign.error().message.find("cannot listen at [2001:db8:1:2:3:4::]:0") == 0);
     if (auto six = UdpSocket::open(parse_address("[::1]:0").value())) {
         six->send(six->local_address(), bytes);
         six->wait(1000);

@@ -2,6 +2,7 @@
 #include "lockstone/net.h"
 
 #include "base/text.h"
+#include "net/udp/ipv4.h"
 #include "net/udp/system_socket.h"
 
 #include <algorithm>
@@ -65,10 +66,13 @@ void set_option(sockets::Handle socket, int level, int option, int value) {
     ::setsockopt(socket, level, option, reinterpret_cast<const char*>(&value), sizeof value);
 }
 
+bool are_zero(std::span<const std::uint8_t> bytes) {
+    return std::ranges::all_of(bytes, [](std::uint8_t b) { return b == 0; });
+}
+
 /// Maps an IPv4 address for a socket with IPv6; 0.0.0.0 becomes the IPv6 address for all interfaces.
 NetAddress as_ipv6(NetAddress address) {
-    if (std::ranges::all_of(std::span(address.ip).last<4>(), [](std::uint8_t b) { return b == 0; }))
-        address.ip = {};
+    if (net::is_ipv4(address) && are_zero(std::span(address.ip).last<4>())) address.ip = {};
     return address;
 }
 
@@ -85,6 +89,8 @@ Result<UdpSocket> UdpSocket::open(const NetAddress& local) {
     if (made == sockets::no_handle) return system_error("make a socket for", local);
     UdpSocket opened(static_cast<std::intptr_t>(made));
     opened.is_ipv6 = ipv6;
+    if (!ipv6 && !net::is_ipv4(local) && !are_zero(local.ip))
+        return Error{base::join("cannot listen at ", to_string(local), ": this machine has no IPv6")};
     if (ipv6) set_option(made, IPPROTO_IPV6, IPV6_V6ONLY, 0);
     set_option(made, SOL_SOCKET, SO_RCVBUF, buffer_bytes);
     set_option(made, SOL_SOCKET, SO_SNDBUF, buffer_bytes);
@@ -121,7 +127,9 @@ void UdpSocket::send(const NetAddress& to, std::span<const std::byte> bytes) {
     const sockaddr_in four = ipv4_of(to);
     const auto data = reinterpret_cast<const char*>(bytes.data());
     const auto size = static_cast<sockets::Length>(bytes.size());
-    // A datagram that the system does not accept now is lost, as on any network.
+    // A datagram that the system does not accept now is lost, as on any network; so is one to an IPv6 address on a
+    // machine without IPv6.
+    if (!is_ipv6 && !net::is_ipv4(to)) return;
     [[maybe_unused]] const auto sent =
         is_ipv6 ? ::sendto(handle_of(handle), data, size, 0, generic(six), sizeof six)
                 : ::sendto(handle_of(handle), data, size, 0, generic(four), sizeof four);
