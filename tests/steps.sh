@@ -1,12 +1,12 @@
-# The steps of tests/run. Expects: logs, jobs, mode, only, hash_ticks, test_seconds, step_seconds.
+# The functions of tests/run, which sets logs, jobs, mode, only, hash_ticks, test_seconds and step_seconds before it calls them.
 # shellcheck shell=bash disable=SC2154
 
 hash_scenes=("two-blocks" "stack" "pyramid --size 12" "pile --size 150" "convex-pile --size 60" "terrain --size 40" "washer --size 60" "domino --size 60" "ragdolls --size 4" "joint-grid" "bridge --size 40" "wrecking-ball --size 12" "water --size 30" "blast --size 6" "character --players 2" "cars --players 2" "rollback-arena" "rollback-arena --players 4 --seed 9")
 
 log_of() { printf '%s/%s.log' "$logs" "$(tr -cs 'a-zA-Z0-9' '-' <<<"$1")"; }
 
-# side_by_side [MORE] ... one_by_one: the checks between do not depend on each other; as many run at once as there are cores, and MORE where some
-# wait most of the time. Those that take longest stand first.
+# side_by_side [MORE] ... one_by_one: the checks between these calls do not depend on each other. The run starts $jobs of them at once, and MORE
+# if some checks are idle most of the time. The longest checks come first.
 width=1
 side_by_side() { width=$((jobs + ${1:-0})); }
 one_by_one() {
@@ -32,33 +32,34 @@ start_check() { # FUNCTION NAME ARGUMENT...
     "$@" &
 }
 
-# needs=PRESET: the build whose programs the next checks run. A check whose build failed fails without a start.
+# needs=PRESET: the build of the programs that the next checks run. If that build failed, these checks are not started and count as failed.
 needs='' broken='' found=''
 
-# tests/run --only NAME runs one check, after the build of its programs: `builds` holds the commands of builds by preset.
+# tests/run --only NAME builds the programs of one check and runs it: `builds` maps each preset to the command that builds it.
 declare -A builds=()
 is_wanted() {
     [ -n "$only" ] || return 0
     [ "$1" = "$only" ] && found=1
 }
 
-# The command that repeats one check alone.
+# again NAME: prints the command that repeats one check alone.
 again() { printf 'tests/run%s --only "%s"' "$([ "$mode" = default ] || echo " --$mode")" "$1"; }
 
-# report_failure NAME REASON COMMAND [LOG]: the name, the command that repeats it alone, the last lines. `finish` prints name and command again.
+# report_failure NAME REASON COMMAND [LOG]: prints the name, the command that repeats the check alone, and the last lines of the log. `finish` prints
+# name and command again.
 report_failure() {
     printf '%s\t%s\n' "$1" "$3" >>"$logs/failed"
     printf 'FAILED  %s (%s)\n        repeat it alone: %s\n' "$1" "$2" "$3"
     [ $# -lt 4 ] || printf '        log: %s; its last lines:\n%s\n' "$4" "$(tail -n 40 "$4" | sed 's/^/        /')"
 }
 
-# Adds to the numbers of passed and failed tests: PASSED FAILED.
+# count PASSED FAILED: adds to the numbers of passed and failed tests.
 count() { echo "$1 $2" >>"$logs/tally"; }
 
-# until_limit: returns after $step_seconds of an idle machine. A second counts less while more processes want to run than there are cores, because a
-# check then gets a share of a core only: a loaded machine must not turn a slow check into a failed one. It counts an eighth at least.
+# until_limit: returns after $step_seconds of an idle machine. While the load average is above $jobs, a second counts as a fraction, at least an
+# eighth, because each check then gets only a share of a core. So a loaded machine does not turn a slow check into a failed one.
 until_limit() {
-    local passed=0 load pause=$((step_seconds < 100 ? 1 : 5)) full=$((jobs * 100)) # passed and load [1/100]
+    local passed=0 load pause=$((step_seconds < 100 ? 1 : 5)) full=$((jobs * 100)) # passed, load and full count in hundredths
     while [ "$passed" -lt $((step_seconds * 100)) ]; do
         sleep "$pause"
         load=$(sed 's/ .*//; s/[.]//; s/^0*//' /proc/loadavg 2>/dev/null) || load=0
@@ -68,10 +69,10 @@ until_limit() {
     done
 }
 
-# within_limit COMMAND...: the command; at the limit it is killed with all that it started, and its log says so.
-# A program that waits for ever is a check that failed, never a run without an end.
+# within_limit COMMAND...: runs the command. At the limit it kills the command with all processes that the command started, and prints a message.
+# So a program that never ends fails its check, and the run continues.
 within_limit() (
-    set -m # each in its own process group
+    set -m # each background command gets its own process group
     "$@" &
     command=$!
     { until_limit && echo "stopped: it ran for over $step_seconds s of an idle machine" && kill -KILL -- "-$command"; } &
@@ -83,7 +84,7 @@ within_limit() (
     exit "$status"
 )
 
-# A command that waits for ever, and what it started, have to end at the limit, with a sentence.
+# At the limit, within_limit must kill a command that never ends, together with its child process, and must print a message.
 planted_hang_is_stopped() {
     local report name=planted-hang-$$
     if report=$(step_seconds=1 within_limit bash -c "bash -c 'exec -a $name sleep 600' & wait"); then
@@ -94,8 +95,8 @@ planted_hang_is_stopped() {
     ! pgrep -f "^$name" && grep -q '^stopped: it ran for over 1 s' <<<"$report"
 }
 
-# A package manager of three scripts refuses to install until the installation that was killed
-# halfway is finished; tools/packages has to finish it. A manager that stays broken is reported.
+# Stub scripts replace dpkg-query, dpkg and apt-get. They refuse to install until an installation that was killed halfway is
+# finished; tools/packages must finish it. It must report an error if the package manager stays broken.
 interrupted_installation_is_finished() {
     local folder
     folder=$(mktemp -d)
@@ -115,7 +116,8 @@ interrupted_installation_is_finished() {
     rm -r "$folder"
 }
 
-# timed NAME COMMAND...: the command; then a line of the table that is printed at the end: seconds, seconds of processors, name.
+# timed NAME COMMAND...: runs the command, and sets seconds and processors. Adds a line to the table that `finish` prints: seconds, processor
+# seconds, name.
 timed() {
     local name=$1 status=0 took=$logs/took.$BASHPID TIMEFORMAT='%0R %0U %0S'
     shift
@@ -127,7 +129,7 @@ timed() {
     return $status
 }
 
-# check NAME COMMAND...: prints one line; after a failure the end of the log as well.
+# check NAME COMMAND...: runs the command and prints one line; after a failure it also prints the end of the log.
 check() { start_check check_now "$@"; }
 check_now() {
     local name=$1 log seconds processors
@@ -142,7 +144,8 @@ check_now() {
     fi
 }
 
-# check_or_skip NAME COMMAND...: like check. A command that ends with 3 had no network: the check prints its last line and counts nothing.
+# check_or_skip NAME COMMAND...: like check. Status 3 means that the command lacks a program or the network: the check then prints the last line of
+# the log and counts neither as passed nor as failed.
 check_or_skip() { start_check check_or_skip_now "$@"; }
 check_or_skip_now() {
     local name=$1 log seconds processors status=0
@@ -156,7 +159,8 @@ check_or_skip_now() {
     esac
 }
 
-# check_build PRESET NAME COMMAND...: a build. Checks with needs=PRESET fail without a start when it failed.
+# check_build PRESET NAME COMMAND...: runs a build. If it fails, checks with needs=PRESET are not started and count as failed. If --only names
+# another check, the function only stores the command in `builds`.
 check_build() {
     local preset=$1
     shift
@@ -174,7 +178,7 @@ build_now() {
     [ "$(wc -l <"$logs/failed")" -eq "$before" ] || broken+=" $preset"
 }
 
-# build PRESET [ARGUMENT...] [-- TARGET...]: configures and builds build/PRESET.
+# build PRESET [ARGUMENT...] [-- TARGET...]: configures and builds the folder build/PRESET.
 build() {
     local preset=$1 arguments=() targets=()
     shift
@@ -186,7 +190,8 @@ build() {
     tools/configure "$preset" "${arguments[@]}" && cmake --build "build/$preset" -j "$jobs" "${targets[@]}"
 }
 
-# Adds the cases of doctest programs, and one for each other test, out of a log of ctest -V or of a program.
+# tally LOG: prints the numbers of passed and failed tests in a log of ctest -V or of a doctest program. It counts each case of a doctest program,
+# and one for each other test.
 tally() {
     awk '
         match($0, /\[doctest\] test cases: +[0-9]+ \| +[0-9]+ passed \| +[0-9]+ failed/) {
@@ -216,14 +221,14 @@ add_tally() { # NAME LOG STATUS SECONDS COMMAND
     fi
 }
 
-# check_suite FOLDER [OPTION...]: the tests of build/FOLDER that ctest selects by the options, each case counted. A test that cannot run counts as
-# failed, by its name.
+# check_suite FOLDER [OPTION...]: runs the tests of build/FOLDER that ctest selects by the options, and counts each case. A test that cannot run
+# counts as failed, and the check prints its name.
 check_suite() { start_check check_suite_now "$1: tests" "$@"; }
 check_suite_now() {
     local name=$1 folder=$2 log status=0 seconds processors
     shift 2
     log=$(log_of "$name")
-    # One more than there are cores: tests that play over UDP wait most of the time.
+    # ctest runs $jobs + 1 tests at once, because tests that play over UDP are idle most of the time.
     timed "$name" ctest --test-dir "build/$folder" -V -j "$((jobs + 1))" --timeout "$test_seconds" "$@" >"$log" 2>&1 || status=$?
     ! grep -q '[*]Skipped' "$log" || status=1
     add_tally "$name" "$log" "$status" "$seconds" "ctest --test-dir build/$folder --rerun-failed --output-on-failure"
@@ -231,8 +236,8 @@ check_suite_now() {
     [ "$status" -eq 0 ] || last_words_of_failed "$log" "build/$folder"
 }
 
-# last_words_of_failed LOG FOLDER: the command that repeats each failed test, and the end of its output in this run, out of a log of ctest -V. A second run
-# may pass, so its output does not explain the first.
+# last_words_of_failed LOG FOLDER: reads a log of ctest -V, and prints for each failed test the command that repeats it and the end of its output.
+# A second run may pass, so its output would not explain the failure of the first.
 last_words_of_failed() {
     local number name
     while read -r number name; do
@@ -242,7 +247,7 @@ last_words_of_failed() {
     done < <(sed -nE '/Passed/!s/^ *[0-9]+\/[0-9]+ Test +#([0-9]+): +([^ ]+) .*/\1 \2/p' "$1")
 }
 
-# Of two tests the words of the one that failed have to be shown, and no others.
+# The log has one passed and one failed test: the report must show the output of the failed test only.
 planted_failure_is_shown() {
     local report log=$logs/planted-failure
     printf '%s\n' '1: all is well' '2: the reason' '1/2 Test #1: good ....   Passed    0.02 sec' '2/2 Test #2: bad .....***Failed    0.02 sec' >"$log"
@@ -251,7 +256,7 @@ planted_failure_is_shown() {
     grep -q '^2: the reason$' <<<"$report" && grep -q 'ctest --test-dir build/x -R "^bad\$"' <<<"$report" && ! grep -q 'all is well' <<<"$report"
 }
 
-# Of three checks that fail or cannot start, each has to print its name, its command and its last lines, and the run has to go on.
+# Three checks fail or are not started: the run must continue, and must print their names, the command that repeats them, and the last lines of a log.
 planted_failure_is_reported() {
     local report logs=$logs/planted only='' mode=full needs='' broken='' found='' width=1
     mkdir -p "$logs" && : >"$logs/tally" && : >"$logs/times" && : >"$logs/failed"
@@ -269,7 +274,7 @@ planted_failure_is_reported() {
         grep -q '^1 passed, 3 failed$' <<<"$report" && grep -q '^status 1$' <<<"$report"
 }
 
-# check_program NAME PROGRAM [ARGUMENT...]: a doctest program, each case counted.
+# check_program NAME PROGRAM [ARGUMENT...]: runs a doctest program and counts each case.
 check_program() { start_check check_program_now "$@"; }
 check_program_now() {
     local name=$1 log status=0 seconds processors
@@ -284,7 +289,7 @@ check_program_now() {
 
 hash_file() { printf 'build/hashes/%s/%s.tsv' "$1" "${2// /}"; }
 
-# Hashes of every scene after every tick by one build's command line, with further arguments if there are any.
+# write_hashes NAME PROGRAM [ARGUMENT...]: runs every scene with the command line of one build and writes the hash after every tick.
 write_hashes() {
     local name=$1 program=$2 scene words
     shift 2
@@ -296,7 +301,7 @@ write_hashes() {
     done
 }
 
-# A program that fails at the first scene, and would not at the last one, fails the whole.
+# write_hashes must fail if the program fails at the first scene and succeeds at all others.
 planted_failure_of_hashes_is_noticed() {
     local program=build/hashes/planted-program
     mkdir -p build/hashes
@@ -306,7 +311,7 @@ planted_failure_of_hashes_is_noticed() {
     ! write_hashes planted "$program"
 }
 
-# Byte by byte against the release build's; prints the first differing line of each.
+# compare_hashes NAME: compares the hashes byte by byte with those of the release build; prints the first differing line of each scene.
 compare_hashes() {
     local name=$1 scene good=0
     for scene in "${hash_scenes[@]}"; do
@@ -325,8 +330,8 @@ compare_hashes() {
     return $good
 }
 
-# run_on_workers MATRIX_HASH TICKS: every game of the golden table, for what a sanitizer says of it; and some that are large enough for workers to
-# share their passes. Two share some of their work in another way.
+# run_on_workers MATRIX_HASH TICKS: runs every game of the golden table on three workers, so that a sanitizer can check it, and three games that are
+# large enough for workers to share their passes. Two workers share some work in another way than three, so two of these games run again on two.
 run_on_workers() {
     local games
     mapfile -t games < <(sed '/^#/d' tests/golden/hashes.tsv | cut -f1 | sort -u)
@@ -335,7 +340,7 @@ run_on_workers() {
         "$1" --ticks "$2" --powers --workers 2 "pyramid size=30 seed=1 players=0" "ragdolls size=25 seed=1 players=0"
 }
 
-# Two threads that add to one number, often: of two accesses at the same moment the sanitizer may miss both.
+# Two threads add to one number many times, because the sanitizer may miss a single pair of simultaneous accesses.
 planted_race_is_noticed() {
     local report
     g++ -x c++ -std=c++20 -O1 -fsanitize=thread -o build/tsan/race - <<<'#include <thread>
@@ -349,7 +354,7 @@ int main() { std::thread other(add); add(); other.join(); }' || return 1
     grep -q 'data race' <<<"$report"
 }
 
-# The comparison has to fail when one digit of one tick is changed, and to name the tick.
+# The comparison must fail if the hash of one tick is changed, and must print the number of that tick.
 planted_hash_is_noticed() {
     local scene=${hash_scenes[0]} file report tick=$((hash_ticks / 2))
     mkdir -p build/hashes/planted
@@ -367,7 +372,7 @@ planted_hash_is_noticed() {
 
 # ---- fuzzing ----
 
-# fuzz TARGET CORPUS RUNS [OPTION...]: new inputs go to build/, a crash is kept there too.
+# fuzz TARGET CORPUS RUNS [OPTION...]: runs a fuzzer on tests/fuzz/corpus/CORPUS; it writes new inputs and crashes to build/fuzz-corpus.
 fuzz() {
     local target=$1 kept=tests/fuzz/corpus/$2 runs=$3
     shift 3
@@ -377,8 +382,8 @@ fuzz() {
         "$@" -artifact_prefix="build/fuzz-corpus/$target-" "build/fuzz-corpus/$target" "$kept"
 }
 
-# The same for model files, going on after what breaks the library that reads them; but our own complaints are failures.
-# Stacks are not named: the process that broke would start another one to name them, and some wait for it for ever.
+# fuzz_import RUNS: fuzzes model files, and continues after an input that breaks the library that reads them. Errors that our own code reports are
+# failures. Stacks have no names of functions (symbolize=0): a broken process would start another process to find them, and some would hang there.
 fuzz_import() {
     local report
     report=$(ASAN_OPTIONS=detect_leaks=0:symbolize=0 fuzz cook_import cook_import "$1" -fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 \
@@ -387,8 +392,8 @@ fuzz_import() {
     ! grep -qE 'ERROR: cook import|runtime error:' <<<"$report" && grep -q 'fuzzed for' <<<"$report"
 }
 
-# Whether a sanitizer's stack, on standard input, begins in our code. Left out are frames of the sanitizers and of the fuzzer, which are linked into our
-# program, and of the C and C++ libraries. A stack of our program without names, as where there is no llvm-symbolizer, counts as ours.
+# Succeeds if a sanitizer's stack, on standard input, begins in our code. The function skips frames of the sanitizers and of the fuzzer, which are
+# linked into our program, and frames of the C and C++ libraries. A frame of our program without a name, as without llvm-symbolizer, counts as ours.
 is_broken_by_us() {
     local frame
     frame=$(grep -E '^ *#[0-9]+ ' | grep -vP ' in (__|abort|raise|mem|str|malloc|calloc|realloc|free|operator |([^( ]+ )?std::)| in (?!.*lockstone::|LLVMFuzzerTestOneInput).*/fuzz_cook_import\+0x|/(libc|libm|libgcc_s|libstdc\+\+)\.so' | head -n 1) || true
@@ -416,7 +421,8 @@ planted_stack_is_told() {
     done
 }
 
-# What broke the library in the fuzzer's process is a sentence of `lockstone cook`, and the break is not in our code.
+# Inputs that break the library in the fuzzer's process. For each kept one, `lockstone cook` must print an error sentence and end with status 2. For
+# each new one it must end without a crash, and the stack in the fuzzer must not begin in our code.
 broken_imports_are_contained() {
     local input path kind status report count=0 extensions=(stl ply obj gltf glb fbx off)
     for input in tests/fuzz/corpus/broken/*; do
@@ -443,7 +449,7 @@ broken_imports_are_contained() {
     echo "$count inputs broke the importer in this run; those in tests/fuzz/corpus/broken are asked in every run"
 }
 
-# The sync test has to fail, with status 1, and to name the column that its snapshots lack.
+# The sync test must fail with status 1 and print the column that its snapshots lack.
 planted_column_is_named() {
     local report status=0
     report=$(build/release/bin/lockstone synctest rollback-arena --ticks 600 --depth 8 --plant body.velocity) || status=$?
@@ -458,7 +464,8 @@ planted_leak_is_noticed() {
     [ "$status" -eq 1 ] && grep -q '^FAILED: memory grows' <<<"$report"
 }
 
-# Every match has to fail, to name the column, and to be made smaller. The inquiry runs the tick in a copy, which does not change by itself.
+# Every match must fail, print the column that differs, and print a smaller match that still fails. The report runs the tick again in a copy of the
+# world. The copy has no planted change, so the report must say that the tick now has another result.
 planted_machine_is_found() {
     local report status=0
     report=$(build/release/bin/lockstone match --chaos --plant --seeds 1..8 --ticks 200) || status=$?

@@ -6,11 +6,11 @@ import zlib
 from pathlib import Path
 
 HERE = Path(__file__).parent
-SIZE = 128  # texture, pixels
+SIZE = 128  # width and height of the texture [pixels]
 
 
 def write_png(path, rows):
-    """`rows`: lists of (r, g, b)."""
+    """Writes `rows`, lists of (r, g, b), as a PNG file."""
     raw = b"".join(b"\0" + bytes(c for pixel in row for c in pixel) for row in rows)
 
     def chunk(kind, data):
@@ -40,7 +40,7 @@ def wood():
 
 
 def face(axis, sign):
-    """Corners of one side: a frame (outer to inner, raised) and a sunken panel. Yields (material, quad, normal)."""
+    """Yields (material, corners of a quad) of one side of the crate: a raised frame, its inner edges, and a sunken panel."""
     def point(u, v, depth):
         p = [0.0, 0.0, 0.0]
         p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3] = sign * depth, u, sign * v

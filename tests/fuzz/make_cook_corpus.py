@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the seeds of corpus/cook, small models in the format of cook_input.h, each cooked in each way, and of
-corpus/cook_import, models in the formats of files after a byte that names the format (see cook_import.cpp)."""
+"""Writes the seeds of two fuzzers. corpus/cook has small models in the format of cook_input.h, each as an input for each kind
+of asset. corpus/cook_import has models in file formats, after a byte that names the format (see cook_import.cpp)."""
 import base64
 import json
 import pathlib

@@ -1,5 +1,5 @@
-"""Builds matrix_hash for a cell, without CMake: every compiler takes the same few flags. It compiles sixteen sources of a layer as one,
-in half the time."""
+"""Builds matrix_hash for a cell without CMake: every compiler gets the same few flags. For speed it compiles up to sixteen sources of a layer
+as one."""
 import concurrent.futures
 import filecmp
 import hashlib
@@ -11,28 +11,29 @@ import subprocess
 import threading
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# Threads and directories; a machine without them builds the rest.
+# Sources that need threads or directories. A target without them (WebAssembly) builds the other sources.
 WITHOUT_THREADS = {"src/base/worker_pool.cpp", "replay/verifier.cpp", "tools/scenes/load_assets.cpp"}
 
-# What most sources include, compiled once a build: reading headers is half of the time of a cell.
+# Headers that most sources include. Each build precompiles them, because compilers spend much of their time on headers.
 PRELUDE = ("lockstone/world.h", "world/data.h", "algorithm", "array", "functional", "map", "memory", "optional", "sstream", "string", "vector")
 
-WITHOUT_PRELUDE = {"tools/bench/scenes.cpp"}  # has names of its own for what lockstone/world.h names too
+WITHOUT_PRELUDE = {"tools/bench/scenes.cpp"}  # defines names that lockstone/world.h also defines
 
-# Sources of a folder of src/, and of replay/, are compiled some at a time, which takes half as long: a name means one thing within a layer.
+# For speed, AT_ONCE sources of a folder of src/, or of replay/, are compiled as one. They do not conflict: within a layer a name means one thing.
 AT_ONCE = 16
-ALONE = {"kernels"}  # one instruction set each
+ALONE = {"kernels"}  # folders whose sources are compiled alone: each source is for one instruction set
 
-# Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
+# Flags of the kernels for each instruction set, as in CMakeLists.txt. The program chooses a kernel for its processor when it runs.
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
-GNU_FLAGS = ["-fno-delete-null-pointer-checks"]  # as CMakeLists.txt has it; src/base/null_pointers.cpp says why
-UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
-# Of MSVC's cl, which takes intrinsics of SSE4.1 as they come; clang-cl takes clang's, handed on.
+GNU_FLAGS = ["-fno-delete-null-pointer-checks"]  # as in CMakeLists.txt; src/base/null_pointers.cpp gives the reason
+UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as in CMakeLists.txt
+# Flags for MSVC's cl, which needs none for intrinsics of SSE4.1. clang-cl gets the flags in KERNELS, through its option -clang:.
 KERNELS_OF_CL = {"kernel_avx2.cpp": ["-arch:AVX2"], "kernel_avx512.cpp": ["-arch:AVX512"]}
-# Short loops and small functions of lanes: what stays a loop or a call keeps its numbers in memory. A linker that optimises would not know of this.
+# Unrolls short loops and inlines small functions of lanes: loops and calls that remain keep their values in memory. Link-time optimisation would
+# ignore these flags, so -fno-lto turns it off.
 KERNELS_OF_WASM = {"kernel_wasm128.cpp": ["-fno-lto", "-fno-tree-vectorize", "-fno-tree-slp-vectorize", "-mllvm", "-unroll-threshold=3000",
                                           "-mllvm", "-inline-threshold=2000"]}
-FOR_THE_LINKER = ("-l", "-mexec-model=")  # flags that begin so
+FOR_THE_LINKER = ("-l", "-mexec-model=")  # only the linker gets flags that begin with one of these
 X86 = ("i386", "windows") + (("",) if platform.machine().lower() in ("x86_64", "amd64", "i686") else ())  # targets; "": this machine
 ON_WINDOWS = os.name == "nt"
 
@@ -42,7 +43,7 @@ class BuildFailed(Exception):
 
 
 def together(files):
-    """The files in tuples, each compiled as one."""
+    """Returns the files in tuples. The builder compiles the files of a tuple as one source."""
     tuples, by_folder = [], {}
     for path in sorted(files):
         top, *below = path.relative_to(ROOT).parts
@@ -52,15 +53,15 @@ def together(files):
             tuples.append((path,))
     for members in by_folder.values():
         tuples += [tuple(members[i:i + AT_ONCE]) for i in range(0, len(members), AT_ONCE)]
-    return sorted(tuples, key=len, reverse=True)  # the longest first: cores end together
+    return sorted(tuples, key=len, reverse=True)  # the largest first, so that all cores end at about the same time
 
 
 def sources(build):
     found = [p for pattern in ("src/**/*.cpp", "replay/**/*.cpp", "tools/scenes/**/*.cpp", "tests/matrix/*.cpp") for p in ROOT.glob(pattern)]
-    # Random worlds: what draws them. Execution modes are compared on this machine alone.
+    # The sources that draw random worlds, without the sources that compare execution modes: those run only on this machine.
     found += [ROOT / f"tests/metamorphic/worlds/{name}.cpp" for name in ("assets", "draw", "draw_commands", "draw_definitions", "story")]
     found.append(ROOT / "tests/attack/worlds/values.cpp")
-    # The network layer makes no results, and needs libsodium.
+    # The network layer is left out: it computes no state, and needs libsodium.
     found = [p for p in found if not p.is_relative_to(ROOT / "src/net")]
     if build.target == "wasm":
         found = [p for p in found if p.relative_to(ROOT).as_posix() not in WITHOUT_THREADS]
@@ -68,7 +69,8 @@ def sources(build):
 
 
 def is_like_cl(cxx):
-    """MSVC's cl and clang-cl, which has its command line. Options of both begin with a dash, which shells for Windows leave alone."""
+    """Returns true for MSVC's cl, and for clang-cl, which has the same command line. Options of both are written with a dash here, because shells for
+    Windows may change words that begin with a slash."""
     return pathlib.Path(cxx).stem.lower() in ("cl", "clang-cl")
 
 
@@ -88,7 +90,8 @@ def kernel_flags(build, name):
 
 
 def fresh(out, *others):
-    """Is the object newer than all it was made of? Compilers do not name what a compiled header was made of."""
+    """Returns true if the object is newer than all files that it was made from. `others` has precompiled headers: compilers do not list the files
+    that those were made from."""
     try:
         made = out.stat().st_mtime_ns
         if any(made <= other.stat().st_mtime_ns for other in others):
@@ -110,18 +113,18 @@ class Builder:
         self.guard, self.locks = threading.Lock(), {}
         self.includes = folder / "include"
         self.includes.mkdir(parents=True, exist_ok=True)
-        # The one header from outside; a cross compiler must not see what else lies in /usr/include.
+        # The only header of another project. It is copied, because a cross compiler must not see the other headers of /usr/include.
         header = self.includes / "xxhash.h"
         found = pathlib.Path(os.environ.get("LOCKSTONE_XXHASH", "/usr/include")) / "xxhash.h"
         if not header.exists() or not filecmp.cmp(found, header, shallow=False):
             shutil.copyfile(found, header)
 
     def program(self, build):
-        """Path of the program. Raises BuildFailed with what the compiler said."""
+        """Builds the program and returns its path. Raises BuildFailed with the compiler's output."""
         return self.link(build, "matrix_hash", sources(build))
 
     def link(self, build, name, files):
-        """Path of the program `name` made of these files. Those that programs share are compiled once."""
+        """Builds the program `name` from these files and returns its path. A file that several programs share is compiled once."""
         of_kernels = [kernel_flags(build, name) for name in (*KERNELS, *KERNELS_OF_WASM)]
         key = hashlib.sha256(repr((build.cxx, build.flags, compiler_flags(build), of_kernels)).encode()).hexdigest()[:12]
         folder = self.folder / f"{build.target or 'host'}-{key}"
@@ -133,7 +136,7 @@ class Builder:
         else:
             flags = ["-std=c++20", *own, "-isystem", str(self.includes)]
             flags += ["-include", self.prelude(build, flags, folder)]
-        # A planted fault is one object beside those of the build that has none.
+        # A build with a planted fault compiles one object, and shares the other objects with the build without the fault.
         objects = self.objects(build, flags, folder, files)
         ending = {"wasm": ".wasm", "windows": ".exe"}.get(build.target, ".exe" if ON_WINDOWS else "")
         program = folder / (name + ("_planted" if build.patch else "") + ending)
@@ -154,20 +157,20 @@ class Builder:
         planted = "" if sources_now == list(paths) else "-planted"
         out = folder / f"{name}{f'-and-{len(paths) - 1}' if len(paths) > 1 else ''}{planted}{'.obj' if is_like_cl(build.cxx) else '.o'}"
         source = sources_now[0] if len(paths) == 1 else self.joined(out.with_suffix(".cpp"), sources_now)
-        with self.lock_of(out):  # two programs may want it at once
+        with self.lock_of(out):  # two threads may build the object at the same time
             if not fresh(out, compiled_header(build, folder)):
                 own = kernel_flags(build, path.name)
                 if is_like_cl(build.cxx):
                     run([build.cxx, *flags, *own, "-c", f"-Tp{source}", f"-Fo{out}"])
                     return out
-                # What the prelude was compiled into is not for these instructions; some sources must not see all of it.
+                # The precompiled prelude does not fit flags for other instruction sets, and the sources of WITHOUT_PRELUDE must not include it.
                 if own or path.relative_to(ROOT).as_posix() in WITHOUT_PRELUDE:
                     flags = flags[:flags.index("-include")]
                 run([build.cxx, *flags, *own, "-MMD", "-MF", f"{out}.d", "-c", source, "-o", out])
         return out
 
     def prelude(self, build, flags, folder):
-        """A header that lies beside what the compiler made of it, and takes that instead."""
+        """Returns a header with its precompiled form in the same folder, which the compiler reads instead."""
         header = folder / "prelude.h"
         out = compiled_header(build, folder)
         with self.lock_of(out):

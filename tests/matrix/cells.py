@@ -1,4 +1,5 @@
-"""The cells, by dimension: compiler, target and host of a simulation. The planted cells have to be red."""
+"""The cells of the matrix, by dimension. A cell is a build of the simulation and the conditions under which it runs. Cells with `red` have a planted
+fault, and must differ from the reference."""
 import shutil
 from dataclasses import dataclass, field, replace
 
@@ -8,7 +9,7 @@ class Build:
     cxx: str
     flags: tuple
     target: str = ""        # "": this machine; else a key of TARGETS
-    patch: tuple = ()       # (file, find, put): a fault
+    patch: tuple = ()       # (file, find, put): a planted fault
 
     def label(self):
         return " ".join((self.cxx,) + self.flags)
@@ -21,12 +22,12 @@ class Cell:
     build: Build
     arguments: tuple = ()
     environment: dict = field(default_factory=dict)
-    ticks: int = 300        # of --all: to the last row of the golden table
-    sample_ticks: int = 0   # 0: as many in the sample
-    state: bool = False     # writes snapshots and recordings, reads those of others
+    ticks: int = 300        # the default reaches the last row of the golden table
+    sample_ticks: int = 0   # ticks in the sample; 0: `ticks`
+    state: bool = False     # writes snapshots and recordings, and reads those of the reference
     sample: bool = False
-    three: bool = False     # of tests/run without an option: another byte order, 32 bits with other lanes, another state of the floating-point unit
-    thorough: bool = False  # all games and ticks in the sample as well
+    three: bool = False     # in tests/run without options: another byte order, 32 bits with other lanes, another state of the floating-point unit
+    thorough: bool = False  # runs all games, without the limit of ticks (--ticks, by default 16 in the sample)
     red: bool = False       # a planted fault: this cell has to differ
     browser: bool = False
 
@@ -34,9 +35,9 @@ class Cell:
 @dataclass(frozen=True)
 class Target:
     triple: str
-    emulator: str           # "": runs without
+    emulator: str           # "": the program runs without one
     endian: str = "little"
-    compiler: str = ""      # "": that of the triple
+    compiler: str = ""      # "": g++ of the triple
 
     @property
     def cxx(self):
@@ -60,8 +61,8 @@ TARGETS = {
 }
 WASM_FLAGS = ("--target=wasm32-wasi", "-O2", "-DLOCKSTONE_NO_THREADS=1")
 PORTABLE, NO_DOUBLE = "-DLOCKSTONE_PORTABLE_WIDE=1", "-DLOCKSTONE_NO_DOUBLE=1"
-PLAIN = "-DLOCKSTONE_PLAIN_CPLUSPLUS=1"  # as a compiler has it that knows no extension, such as MSVC's
-# Hashes integers in the order that the host has them in: right wherever bytes are little-endian.
+PLAIN = "-DLOCKSTONE_PLAIN_CPLUSPLUS=1"  # the code for compilers without extensions, such as MSVC's
+# A fault: hashes integers in the byte order of the host, which is right on little-endian machines.
 HOST_ORDER = ("src/base/hash.cpp", "store_little_endian(value, bytes);", "std::copy_n(reinterpret_cast<std::byte*>(&value), sizeof value, bytes);")
 REFERENCE = Build("g++", ("-O2",))
 
@@ -78,9 +79,9 @@ def all_cells(cpu_flags):
         cells.append(Cell(build.label(), dimension, build, **more))
 
     for level in ("-O0", "-O1", "-O3", "-Os"):
-        # Of the sample: g++ makes functions of what it otherwise puts where it is used, and draws conclusions from them.
+        # The sample has -Os, because g++ then keeps functions that it otherwise inlines, and optimises by the properties of those functions.
         built("optimisation", host("g++", level), **(dict(in_sample, sample_ticks=64) if level == "-Os" else {}))
-    # Of the sample: what three builds tell apart in the long run.
+    # For the sample: one build instead of three builds, each with one of these flags, that --all has.
     built("optimisation", host("g++", "-O0", PLAIN, NO_DOUBLE), **in_sample, sample_ticks=20)
     built("optimisation", host("g++", "-O2", "-flto"))
     built("optimisation", host("clang++-19", "-O2", "-flto=thin"))
@@ -123,7 +124,7 @@ def all_cells(cpu_flags):
         cxx = target.cxx
         static = ("-static",) + (("-latomic",) if name in ("arm32", "riscv64") else ())
         for level in ("-O1", "-O2", "-O3"):
-            # NEON has lanes of its own; what they do otherwise shows where bodies turn fast, after some ticks.
+            # arm64 runs more ticks, because it has NEON lanes: a difference in them appears where bodies turn fast, after some ticks.
             cells.append(Cell(f"{name} {level}", "architecture", Build(cxx, (level,) + static, name), sample_ticks=64 if name == "arm64" else 8, state=level == "-O1",
                               three=level == "-O1" and name == "s390x", sample=level == "-O1" and name in ("s390x", "arm64"), thorough=level == "-O1" and name == "arm64"))
         at_o1 = Build(cxx, ("-O1",) + static, name)
@@ -138,7 +139,7 @@ def all_cells(cpu_flags):
                       sample=True))
     for name, flags in (("wasm32", ()), ("wasm32 SIMD", ("-msimd128",))):
         build = Build("clang++-19", WASM_FLAGS + flags, "wasm")
-        # Lanes of SIMD have other high halves than those of x86: what takes them for numbers shows after some ticks.
+        # Lanes of WebAssembly's SIMD have other high halves than lanes of x86: a fault that reads them as numbers appears after some ticks.
         cells.append(Cell(f"{name}, Node", "architecture", build, state=True, sample=True, thorough=bool(flags),
                           sample_ticks=128 if flags else 16, three=bool(flags)))
         cells.append(Cell(f"{name}, Chromium", "architecture", build, browser=True))
@@ -146,7 +147,7 @@ def all_cells(cpu_flags):
 
 
 def packages(cells):
-    """Debian packages that the cells need."""
+    """Returns the Debian packages that the cells need."""
     names = {"g++", "libxxhash-dev"}
     for cell in cells:
         if cell.build.cxx == "clang++-14":
@@ -156,7 +157,7 @@ def packages(cells):
         if cell.build.target == "wasm":
             names |= {"wasi-libc", "libc++-19-dev-wasm32", "libc++abi-19-dev-wasm32", "libclang-rt-19-dev-wasm32"}
             names |= {"chromium"} if cell.browser else set()
-            names |= set() if shutil.which("node") else {"nodejs", "npm"}  # whoever it is of will do; the benchmark takes npm
+            names |= set() if shutil.which("node") else {"nodejs", "npm"}  # any installed node is enough; the benchmark needs npm
         elif cell.build.target:
             target = TARGETS[cell.build.target]
             names |= target.packages

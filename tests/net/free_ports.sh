@@ -1,6 +1,6 @@
 # shellcheck shell=bash
-# free_ports N: N UDP ports in one line that nobody holds. They lie below those that the kernel hands out by itself, so whoever runs beside this
-# and takes any port does not take one of these.
+# free_ports N: prints N free UDP ports in one line. They are below the kernel's range for automatic ports, so another process that lets the kernel
+# choose its port does not get one of them.
 free_ports() {
     python3 - "$1" <<'PYTHON'
 import random
@@ -16,7 +16,7 @@ while len(held) < int(sys.argv[1]):
     except OSError:
         pass
 ports = [probe.getsockname()[1] for probe in held]
-for probe in held: # Closed before the line is printed: its reader may use the ports while this process is still ending.
+for probe in held: # Closes the sockets before it prints: the reader of the line may use the ports before this process ends.
     probe.close()
 print(*ports)
 PYTHON

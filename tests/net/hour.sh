@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# hour.sh NET_PEER [SECONDS [LEAK]]: two processes play for an hour over UDP on 127.0.0.1, at 5 % loss and 80 to 120 ms each way. All ticks are confirmed
-# with the same hashes, and neither process grows: from a tenth of the way, or 8 s where that is less, to the end by at most 16 bytes a tick,
-# which its own list of hashes takes, and 1 MiB. Within 8 s the slowest has connected and its log of 256 ticks is full. LEAK: bytes that each process loses in every frame, planted.
+# hour.sh NET_PEER [SECONDS [LEAK]]: two processes play for SECONDS (default: an hour) over UDP on 127.0.0.1, at 5 % loss and 80 to 120 ms each way.
+# Both must confirm all ticks with the same hashes. The memory of each may grow by at most 1 MiB and 16 bytes for each of nine tenths of the ticks;
+# the 16 bytes are the process's own list of hashes. The growth counts from a tenth of the time on, but not before 8 s: after 8 s even the slowest
+# process has connected and has filled its log of 256 ticks. LEAK: bytes that each process loses in every frame, a planted fault.
 set -euo pipefail
 peer=$1 seconds=${2:-3600} leak=${3:-0}
 ticks=$((seconds * 60)) slack_kb=1024

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """A bad network on this machine: UDP packets arrive late, in another order, or never.
 
-  slow_way.py PORT DELAY_MS JITTER_MS                                     to the server at PORT; prints its own port
-  slow_way.py --between A B --at PORT DELAY_MS JITTER_MS LOSS_PERCENT     what comes from port A goes to B, and the other way round
+  slow_way.py PORT DELAY_MS JITTER_MS                                     forwards packets to the server at PORT and back
+  slow_way.py --between A B --at PORT DELAY_MS JITTER_MS LOSS_PERCENT     receives at PORT, forwards packets of port A to B and of B to A
 
-Until it is killed. The server sees each client at a port of its own, as behind a router."""
+It prints the port at which it receives, and runs until it is killed. The server sees each client at a separate port, as behind a router."""
 import argparse
 import heapq
 import random
@@ -23,7 +23,7 @@ class SlowWay:
         self.front = self._socket(at)
         self.port = self.front.getsockname()[1]
         self.by_client, self.client_of = {}, {}
-        self.late = []  # (due, number, socket, address, bytes), the earliest first
+        self.late = []  # heap of (due, number, socket, address, bytes), the earliest first
         self.number, self.over = 0, threading.Event()
         self.chance = random.Random(1)
         self.thread = threading.Thread(target=self._run, daemon=True)
@@ -46,7 +46,7 @@ class SlowWay:
         return made
 
     def _way_on(self, arrived, sender):
-        """By which socket a packet leaves, and for which port."""
+        """Returns the socket that sends the packet on, and the port of its destination."""
         if self.between:
             return self.front, self.between[1] if sender == self.between[0] else self.between[0]
         if arrived is not self.front:
@@ -72,7 +72,7 @@ class SlowWay:
                 try:
                     self._take(ready)
                 except (BlockingIOError, ConnectionError):
-                    pass  # nobody listens there any more
+                    pass  # no socket has the destination port any more
             while self.late and self.late[0][0] <= time.monotonic():
                 _, _, leaves, to, data = heapq.heappop(self.late)
                 leaves.sendto(data, to)

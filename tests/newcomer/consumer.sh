@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# consumer.sh CXX...: the README's CMakeLists.txt for a game, as it stands there, for each compiler; with LOCKSTONE_LONG=1 built and run.
+# consumer.sh CXX...: for each compiler, configures the README's unchanged CMakeLists.txt for a game and compiles the game's main.cpp; with
+# LOCKSTONE_LONG=1 also builds and runs the game.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
@@ -15,13 +16,13 @@ ln -s "$root" lockstone
 python3 "$root/tests/newcomer/readme.py" --extract cmake 0 >CMakeLists.txt
 python3 "$root/tests/newcomer/readme.py" --extract cpp 0 >main.cpp
 
-# configured FOLDER CXX ARGUMENT...
+# configured FOLDER CXX ARGUMENT...: configures FOLDER with the compiler CXX
 configured() {
     local folder=$1 cxx=$2
     shift 2
     cmake -S . -B "$folder" -G Ninja -DCMAKE_CXX_COMPILER="$cxx" "$@" >log 2>&1 || fail "$cxx: the README's CMakeLists.txt does not configure: $(tail -n 20 log)"
 }
-# Words of the command that compiles a file.
+# command_of DATABASE ENDING: prints the command that compiles the first file whose path ends with ENDING.
 command_of() { python3 -c 'import json, sys; print(*[e["command"] for e in json.load(open(sys.argv[1])) if e["file"].endswith(sys.argv[2])][:1])' "$@"; }
 
 for cxx in "$@"; do
@@ -38,11 +39,11 @@ for cxx in "$@"; do
         ninja -C "build-$cxx" game >log 2>&1 || fail "$cxx: the game does not build: $(tail -n 20 log)"
         "build-$cxx/game" || fail "$cxx: the game ends with status $?"
     fi
-    # Who names a build type gets that one.
+    # A build type that the user gives is kept.
     configured "debug-$cxx" "$cxx" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_BUILD_TYPE=Debug
     ours=$(command_of "debug-$cxx/compile_commands.json" src/tick/tick.cpp)
     [[ $ours == *" -g "* && $ours != *-O3* ]] || fail "$cxx: the build type Debug is not kept: $ours"
 done
 
-# Planted: without the standard that the targets carry, the same file must not compile.
+# Planted fault: main.cpp must not compile as C++17; the library's targets require C++20.
 ! "$1" -std=c++17 -fsyntax-only -Ilockstone/include main.cpp 2>/dev/null || fail "the planted fault, C++17, is not noticed"

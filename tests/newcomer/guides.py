@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""The guides of tools/guides as they stand there: their blocks of C++ are files, compiled by each compiler with -Wall -Wextra -Werror, with and
-without NDEBUG. Then two processes of unlike compilers play the guide's match over UDP, by a code and through a relay, 40 to 60 ms of way each.
+"""Tests the guides of tools/guides. Their blocks of C++ are files: the script compiles them with each compiler, with -Wall -Wextra -Werror, with and
+without NDEBUG. Then two processes play the guide's match over UDP, through a relay, where they meet by a code. The first build plays one process
+and the last build the other; a packet needs 40 to 60 ms to the relay, and as long back.
 
   guides.py GUIDE --libraries BUILD --lockstone CLI [--cxx CXX]...
-  guides.py --planted GUIDE --libraries BUILD --lockstone CLI       guides with one fault each have to be noticed"""
+  guides.py --planted GUIDE --libraries BUILD --lockstone CLI       checks that the script notices guides with one fault each"""
 import argparse
 import pathlib
 import re
@@ -20,8 +21,8 @@ from slow_way import SlowWay  # noqa: E402
 FOLDER = readme.ROOT / "tools/guides"
 FILE = re.compile(r"^```cpp (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SOURCES = [f"-I{readme.ROOT}", f"-I{readme.ROOT}/src"]
-LINES_BELOW = 100  # of what a match needs, without empty ones
-SECONDS = 90  # for a match of 10 seconds, on a machine that does something else
+LINES_BELOW = 100  # a match must need fewer lines, without empty lines
+SECONDS = 90  # limit for a match of 10 seconds, on a machine with other load
 
 
 def files_of(text):
@@ -29,7 +30,7 @@ def files_of(text):
 
 
 def needed_by(program, files):
-    """The program and the headers of the guides that it includes, directly or not."""
+    """Returns the program and the headers of the guides that it includes, directly or through other headers."""
     found, waiting = [], [program]
     while waiting:
         name = waiting.pop()
@@ -44,7 +45,7 @@ def lines_of(program, files):
 
 
 class Match:
-    """What two processes of a program have printed, and what they left."""
+    """A match of two processes: their output, exit status and recordings."""
 
     def __init__(self, programs, folder, lockstone, extra=((), ())):
         relay = subprocess.Popen([lockstone, "relay", "--key", folder / "relay.key", "--new-key", "--port", "0", "--address", "127.0.0.1",
@@ -86,12 +87,12 @@ class Match:
             self.printed[0] = said + self.printed[0]
 
     def lines(self, pattern):
-        """What each has printed that matches, or nothing."""
+        """Returns the first match of the pattern in the output of each process, or None."""
         return [m.group(0) if (m := re.search(pattern, text, re.MULTILINE)) else None for text in self.printed]
 
 
 def faults_of_match(match, rollbacks):
-    """Of a match that has to go well. `rollbacks`: whether there have to be some, or none."""
+    """Returns the faults of a match that has to be right. `rollbacks`: true if it must have rollbacks, false if it must have none."""
     told = " | ".join(text.strip() for text in match.printed)
     if match.status != [0, 0]:
         return [f"the processes end with {match.status}: {told}"]
@@ -117,7 +118,7 @@ def check_lockstep(programs, folder, lockstone):
 
 
 def printed_lines(text):
-    """Of the guide's blocks of text: what the programs print, to the letter."""
+    """Returns the lines of the guide's blocks of text, which the programs must print exactly."""
     return [line for block in readme.blocks(text, "text") for line in block[1].splitlines() if line.strip()]
 
 
@@ -144,7 +145,7 @@ def check_desync(programs, folder, lockstone, lucky=("yes", "no")):
     return complaints
 
 
-# By guide: the program that is a match, what checks it, and faults: (what is wrong, which process has it, text, in its place).
+# For each guide: the program of its match, the function that checks the match, and faults: (fault, text, text in its place).
 GUIDES = {
     "rollback": ("match.cpp", check_rollback, [("one machine pushes harder", "20_r", "21_r")]),
     "desync": ("desync.cpp", check_desync, []),
@@ -160,7 +161,7 @@ def written(files, names, folder):
 
 
 def compiled(files, guide, compilers, build, folder, complaints):
-    """By program: one made by the first compiler and one by the last, which meet later."""
+    """Compiles the programs of the guide. Returns {program: [its first build, its last build]}, which play together later."""
     programs = {}
     for program in [n for n in files_of((FOLDER / f"{guide}.md").read_text()) if n.endswith(".cpp")]:
         source = written(files, needed_by(program, files), folder / "source") / program
@@ -196,7 +197,7 @@ def check(guide, arguments, folder):
 
 
 def planted_desync(files, folder, arguments):
-    """A match in which nothing parts, and a guide that shows what is not printed, have to be noticed."""
+    """Returns the faults that check_desync() misses: a match without a desync, and a report that the guide does not show."""
     programs = {}
     for program in ("desync.cpp", "export.cpp"):
         source = written(files, needed_by(program, files), folder / "whole") / program
@@ -204,7 +205,7 @@ def planted_desync(files, folder, arguments):
         wrong = readme.compile_fault(source, programs[program][0], arguments.cxx[0], [*readme.FLAGS[0], *SOURCES], arguments.libraries)
         assert not wrong, wrong
     missed = [] if check_desync(programs, folder, arguments.lockstone, ("no", "no")) else ["a match without a desync"]
-    others = check_desync(programs, folder, arguments.lockstone, ("no", "yes"))  # the values stand the other way round
+    others = check_desync(programs, folder, arguments.lockstone, ("no", "yes"))  # the two machines swap their values
     return missed + ([] if any("shows what nobody prints" in each for each in others) else ["a report that the guide does not show"])
 
 

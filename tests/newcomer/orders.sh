@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# orders.sh: what demo/run and tests/run configure is the same in either order, and after a folder that another compiler has configured;
-# and a folder that is configured again keeps what was compiled.
+# orders.sh: demo/run and tests/run give the same configuration in either order, also in a folder that another compiler has configured.
+# A folder that is configured again keeps its compiled objects.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -19,7 +19,7 @@ by_another_compiler() {
         fail "clang++: $(tail -n 20 "$work/log")"
 }
 
-# How the engine and the tools are compiled, and by what build type.
+# commands FOLDER: prints the compile commands of the engine and of the tools, and the build type.
 commands() {
     python3 - "$1/compile_commands.json" "$PWD" <<'PYTHON'
 import json, sys
@@ -46,7 +46,7 @@ as_tests
 commands "$work/release" >"$work/found"
 same "$work/found" || fail "demo then tests: $(diff "$work/expected" "$work/found" | head -n 4)"
 
-# What was compiled stays, however often the folder is configured; for another compiler it goes.
+# Repeated configuration of a folder keeps its objects; a change of the compiler removes them.
 object=$work/release/CMakeFiles/lockstone_base.dir/kept.o
 mkdir -p "$(dirname "$object")" && touch "$object"
 for again in second third fourth; do
@@ -65,7 +65,7 @@ as_tests
 commands "$work/release" >"$work/found"
 same "$work/found" || fail "after another compiler: $(diff "$work/expected" "$work/found" | head -n 4)"
 
-# The planted fault of old: a compiler named to a folder of another's, which loses the build type.
+# Planted fault: the commands of a folder that lost its build type, as CMake does if the compiler of a configured folder is changed.
 sed 's/ -O3 -DNDEBUG//; s/=Release$/=/' "$work/expected" >"$work/found"
 ! same "$work/found" || fail "the planted fault, commands without optimisation, is not noticed"
 echo "$(wc -l <"$work/expected") lines are the same in each order"

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Every block of C++ in README.md is a program: compiled as it stands there, by each compiler, with -Wall -Wextra -Werror, with and without
-NDEBUG, linked and run; it has to end with status 0.
+"""Every block of C++ in README.md is a complete program. The script compiles each with each compiler, with -Wall -Wextra -Werror, with and
+without NDEBUG, links it and runs it: it has to end with status 0. The script also compiles all public headers without exceptions and
+run-time types.
 
-  readme.py --libraries BUILD [--cxx CXX]...     checks README.md
-  readme.py --planted --libraries BUILD          small programs with one fault each have to be noticed
-  readme.py --extract LANGUAGE NUMBER            prints one block"""
+  readme.py --libraries BUILD [--cxx CXX]...     checks README.md and the headers
+  readme.py --planted --libraries BUILD          checks that the script notices small programs with one fault each
+  readme.py --extract LANGUAGE NUMBER            prints one block; the first one has the number 0"""
 import argparse
 import pathlib
 import re
@@ -14,7 +15,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-# Upwards: who needs whom comes first.
+# From the highest layer down: the linker needs a library before those that it uses.
 LAYERS = ("session", "replay", "prove", "world", "tick", "play", "scene", "model", "solve", "collide", "shapes", "state", "math", "base")
 WARNINGS = ["-std=c++20", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/include"]
 FLAGS = (("-O1",), ("-O1", "-DNDEBUG"))
@@ -22,12 +23,12 @@ HEADERS = ("-fno-exceptions", "-fno-rtti")
 
 
 def blocks(text, language):
-    """(line, text) of each block."""
+    """Returns (line, text) of each block in this language."""
     return [(text.count("\n", 0, m.start()) + 1, m.group(2)) for m in BLOCK.finditer(text) if m.group(1) == language]
 
 
 def libraries(build):
-    """Of the build: all layers' archives, whatever layers there are."""
+    """Returns the linker arguments for the archives of all layers in the build, also of layers that LAYERS lacks."""
     named = [build / f"liblockstone_{layer}.a" for layer in LAYERS]
     others = sorted(set(build.glob("liblockstone_*.a")) - set(named))
     sodium = ["-lsodium"] if (build / "liblockstone_net.a") in others else []
@@ -35,7 +36,7 @@ def libraries(build):
 
 
 def compile_fault(source, out, cxx, flags, build):
-    """Empty, or why the file does not become a program."""
+    """Compiles and links the file. Returns an empty text, or the first error."""
     compiled = subprocess.run([cxx, *WARNINGS, *flags, str(source), "-o", str(out), *libraries(build)], capture_output=True, text=True)
     if compiled.returncode == 0:
         return ""
@@ -43,7 +44,7 @@ def compile_fault(source, out, cxx, flags, build):
 
 
 def fault_of(program, cxx, flags, build, folder):
-    """Empty, or what is wrong with the program."""
+    """Builds and runs the program. Returns an empty text, or its fault."""
     source, out = folder / "main.cpp", folder / "main"
     source.write_text(program)
     if fault := compile_fault(source, out, cxx, flags, build):
@@ -64,7 +65,7 @@ def check(text, compilers, build):
 
 
 def headers_alone(compilers):
-    """Games without exceptions or run-time types may include every header."""
+    """Checks that games without exceptions and run-time types can include every public header."""
     complaints = []
     text = "".join(f"#include <{h.relative_to(ROOT / 'include')}>\n" for h in sorted((ROOT / "include/lockstone").rglob("*.h")))
     for cxx in compilers:

@@ -1,7 +1,8 @@
-"""The planted faults: where each sits in the sources, and the check that is meant to catch it.
+"""The planted faults: the place of each in the sources, and the check that has to catch it.
 
-A fault is a piece of text that stands exactly once in a file, and what is put in its place; IS stands for "this fault was
-chosen". All are compiled into one program. A text that is no longer there is an error, not a survivor: plant it anew."""
+A fault is a text that occurs exactly once in a file, and the text that replaces it. In the second text, IS is the condition that
+this fault is switched on. All faults are compiled into one program. If a file no longer contains the text of a fault, that is an
+error and not a survivor: plant the fault in the new code."""
 from dataclasses import dataclass
 
 
@@ -32,7 +33,7 @@ ADMIT, TIMELINE, SNAPSHOT, WATCH, RELAY = (f"src/session/{n}.cpp" for n in ("joi
 END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
 ADD = "groups[static_cast<std::uint32_t>(columns[column].group)].add(found);"
 
-# Several faults may sit in one place: then `find` is the same, and each one's `put` is added in front of it.
+# Several faults may share one place. They have the same `find`, and `put` of each fault replaces the `find` that `put` of the fault before contains.
 SNAPSHOT_COLUMNS = ("body.pose", "body.velocity", "body.slot", "body.sleep", "body.info", "contact.key", "contact.memory", "contact.point", "joint.memory",
                     "vehicle.memory", "character.row", "world.header", "game.tally")
 HASH_COLUMNS = ("body.velocity", "contact.memory", "body.slot")

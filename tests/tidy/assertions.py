@@ -1,4 +1,5 @@
-"""Each assertion of the library stands in a list that says why data from a file, a state or a packet cannot break it: nothing from outside may end the program."""
+"""tests/attack/assertions.txt lists every assertion of the library, with the reason why data from a file, a state or a packet cannot break it:
+data from outside must not end the program."""
 import collections
 import re
 
@@ -11,7 +12,7 @@ PLACED = re.compile(r"(#\s*define\s+)?\bLOCKSTONE_ASSERT\(")
 
 
 def condition_at(text, at):
-    """The first argument of the call whose parenthesis opens before `at`, on one line."""
+    """Returns the first argument of the call whose opening parenthesis is right before `at`, as one line."""
     depth, end = 1, at
     while end < len(text):
         letter = text[end]
@@ -23,7 +24,7 @@ def condition_at(text, at):
 
 
 def placed(tree):
-    """{(path, condition): how often}, {(path, condition): line}"""
+    """Returns {(path, condition): count} and {(path, condition): line of the first}."""
     counts, lines = collections.Counter(), {}
     for path in tree.files(FOLDERS):
         text = without_comments(path.read_text())
@@ -37,7 +38,7 @@ def placed(tree):
 
 
 def listed(text):
-    """(line, path, condition, kind, reason); None in place of a path where the entry cannot be read."""
+    """Yields (line, path, condition, kind, reason) of each entry. The path is None if the entry does not have four fields."""
     for number, line in enumerate(text.split("\n"), start=1):
         if not line.strip() or line.startswith("#"):
             continue

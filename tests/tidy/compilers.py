@@ -1,13 +1,14 @@
-"""The engine is C++20. What only g++ and clang take, or one kind of processor, stands where a macro of lockstone/compiler.h is asked about, beside a
-form for the others: MSVC's cl has to take it too, and LOCKSTONE_PLAIN_CPLUSPLUS=1, a cell of tests/matrix, takes that form here.
+"""The engine is C++20. Code that only g++ and clang accept, or only one kind of processor, is inside a condition on a macro of lockstone/compiler.h,
+beside a form for other compilers: MSVC's cl must compile the engine, too. With LOCKSTONE_PLAIN_CPLUSPLUS=1 g++ and clang compile that form, in cells
+of tests/matrix.
 
-Attributes such as [[gnu::cold]] pass: a compiler ignores those it does not know. Extensions of the language's grammar are -Wpedantic's."""
+Attributes such as [[gnu::cold]] are allowed: a compiler ignores unknown attributes. -Wpedantic finds extensions of the language's grammar."""
 import re
 
 from tree import numbered, without_comments
 
 ENGINE = ("include", "src", "replay")
-# Lanes of one instruction set: included where that is asked about.
+# Lanes of one instruction set. Other files include them inside such a condition.
 LANES = ("src/solve/lanes/sse41.h", "src/solve/lanes/avx2.h", "src/solve/lanes/avx512.h")
 
 WORDS = [
@@ -26,12 +27,12 @@ ASKS = re.compile(r"(?<![!\w])LOCKSTONE_(GNU|HAS_\w+)\b")
 
 
 def guards(condition):
-    """Does the condition hold only where the compiler or the processor has it?"""
+    """Returns true if the condition holds only for compilers or processors that support the code."""
     return ASKS.search(condition) is not None and "||" not in condition
 
 
 def unguarded(text):
-    """Numbered lines outside of such conditions."""
+    """Yields the numbered lines outside of such conditions."""
     nest = []
     for number, line in numbered(text):
         directive = re.match(r"\s*#\s*(ifdef|ifndef|if|elif|else|endif)\b(.*)", line)

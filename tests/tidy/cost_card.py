@@ -1,4 +1,4 @@
-"""The cost card of README.md is that of the newest results file in tools/bench/results. tools/refresh rewrites it."""
+"""The cost card of README.md has the figures of the newest results file in tools/bench/results. tools/refresh rewrites it."""
 import json
 import pathlib
 import re
@@ -12,7 +12,8 @@ from figures import cost_card  # noqa: E402
 
 
 def expected(tree):
-    """The lines of the card, or an empty text where no results file has its figures. Names of files begin with their date."""
+    """Returns the lines of the card; an empty text if there is no results file, or if the newest one lacks the figures of the card.
+    File names begin with their date, so the last one is the newest."""
     files = sorted((tree.root / RESULTS).glob("*.json")) if (tree.root / RESULTS).is_dir() else []
     if not files:
         return ""
@@ -32,7 +33,7 @@ def check(tree):
 
 
 def refresh(tree):
-    """Writes the card into the page; True where it changed."""
+    """Writes the card into the page. Returns true if the page changed."""
     page = tree.root / PAGE
     before, card = page.read_text(), expected(tree)
     after = CARD.sub(lambda _: f"<!-- cost card -->\n{card}<!-- end of cost card -->\n", before) if card else before
@@ -47,7 +48,7 @@ def results(save_us):
 
 
 class AtRoot:
-    """A tree of two files, for the card of the twins."""
+    """A tree that has only a root: expected() reads nothing else of it."""
 
     def __init__(self, root):
         self.root = root

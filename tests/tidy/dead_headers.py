@@ -1,4 +1,4 @@
-"""A header that nobody includes is dead. Public headers live by being public."""
+"""A header that no file includes is dead code. Public headers are exempt: the programs of users include them."""
 import re
 
 from tree import without_comments

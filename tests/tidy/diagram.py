@@ -1,4 +1,4 @@
-"""The diagram of src/README.md is that of the includes as they are, and has no arrow upwards. tools/refresh rewrites it."""
+"""The diagram of src/README.md shows the includes of the sources, and no lower layer includes a higher one. tools/refresh rewrites it."""
 import re
 
 from layers import INCLUDE, LINKS, layer_of, target_of
@@ -9,7 +9,7 @@ BEGIN, END = "<!-- includes -->\n", "<!-- end of includes -->\n"
 
 
 def arrows(tree):
-    """(layer, layer): how many files of the first include the second; and the first place of each."""
+    """Returns {(layer, layer): number of files of the first that include the second} and {(layer, layer): place of the first such include}."""
     counts, places = {}, {}
     for path in tree.files(("include", "src", "replay")):
         name, seen = tree.name(path), set()
@@ -28,7 +28,7 @@ def arrows(tree):
 
 
 def drawn(counts):
-    """A row for each layer, from the lowest up: how many of its files include the layer of a column."""
+    """Returns the diagram: a row for each layer, from the lowest up, with the number of its files that include the layer of each column."""
     names = list(LINKS)
     width = max(map(len, names)) + 1
     lines = [" " * width + "".join(f"{n:>{len(n) + 2}}" for n in names[:-1])]
@@ -53,7 +53,7 @@ def check(tree):
 
 
 def refresh(tree):
-    """Writes the diagram into the README; True where it changed."""
+    """Writes the diagram into the README. Returns true if the README changed."""
     counts, _ = arrows(tree)
     path = tree.root / README
     before = path.read_text()

@@ -1,4 +1,4 @@
-"""Every public name of include/ has a comment, and doxygen understands each comment: docs/Doxyfile gives no warning."""
+"""Every public name of include/ has a comment, and doxygen understands each comment: with docs/Doxyfile it prints no warning."""
 import pathlib
 import re
 import shutil
@@ -6,7 +6,7 @@ import subprocess
 import tempfile
 
 CONFIGURATION = "docs/Doxyfile"
-# The check does not depend on these lines of the file: the output is discarded, and undocumented names are always reported.
+# These lines override those of docs/Doxyfile: the check discards the output, and doxygen always reports undocumented names.
 OVERRIDES = ["GENERATE_HTML = NO", "GENERATE_XML = YES", "QUIET = YES", "WARNINGS = YES", "WARN_IF_UNDOCUMENTED = YES",
              "WARN_IF_DOC_ERROR = YES", "EXTRACT_ALL = NO"]
 NAMESPACE = re.compile(r"(?P<comment>///[^\n]*\n)?[ ]*(?:inline )?namespace (?:\w+::)*(?P<name>\w+) \{")
@@ -18,7 +18,7 @@ def missing():
 
 
 def silent_namespaces(tree):
-    """Doxygen reports no function of a namespace without a comment. One comment in any header is enough."""
+    """Returns complaints about namespaces without a comment: doxygen does not report functions in them. One comment in any header is enough."""
     seen, documented = {}, {"detail"}
     for path in tree.files(("include",), (".h",)):
         text = path.read_text()

@@ -1,11 +1,11 @@
-"""Sources are as clang-format 14 writes them, with the .clang-format of the repository."""
+"""clang-format 14 changes no source, with the .clang-format of the repository."""
 import pathlib
 import re
 import shutil
 import subprocess
 
 STYLE = pathlib.Path(__file__).resolve().parents[2] / ".clang-format"
-# A comment at the end of a line that is too long for it: clang-format breaks the declaration instead.
+# A declaration that clang-format broke, because the comment at its end makes the line too long.
 SCAR = re.compile(r"^\s+(?!return\b|case\b|throw\b)[\w:<>,*& ]+\n\s{8,}[\w\[\]{}(), ]+;\s*///<", re.MULTILINE)
 
 

@@ -1,5 +1,6 @@
-"""Every header compiles alone: the public ones, the layers' and the replay's; with LOCKSTONE_LONG=1 every source does, too. The release build does not
-show it: it compiles several sources as one. Standard headers are compiled once for all; `includes` looks at who includes which."""
+"""Every header of include, src, replay and tools/scenes compiles alone; with LOCKSTONE_LONG=1 every source of src and replay, too. The release build
+does not show such errors, because it compiles several sources as one. All standard headers are precompiled and included in each file; the check
+`includes` finds standard headers that a file does not include."""
 import concurrent.futures
 import functools
 import os
@@ -10,12 +11,12 @@ import tempfile
 from includes import HOMES
 from lint import KERNELS
 
-KEPT = []  # folders, until the program ends
+KEPT = []  # temporary folders, kept until the program ends
 
 
 @functools.cache
 def standard_headers(cxx):
-    """A header of all standard headers, beside what the compiler made of it."""
+    """Returns a header that includes all standard headers. Its precompiled form is in the same folder."""
     KEPT.append(tempfile.TemporaryDirectory(prefix="lockstone-headers-"))
     header = pathlib.Path(KEPT[-1].name) / "standard.h"
     header.write_text("".join(f"#include <{name}>\n" for name in sorted({name for homes, _ in HOMES for name in homes.split()})))

@@ -1,5 +1,5 @@
-"""A file of the engine includes the standard header of every standard name in it, itself or by way of headers of the project. The
-release build shows none that is missing: its headers are precompiled, and several sources are compiled as one."""
+"""For every standard name in it, a file of the engine includes the standard header, directly or through headers of the project. The
+release build does not show a missing include: it precompiles headers, and compiles several sources as one."""
 import functools
 import re
 
@@ -10,7 +10,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
 NAME = re.compile(r"\bstd::(?:ranges::|this_thread::)?(?!ranges::|this_thread::)([A-Za-z_]\w*)")
 
 CONTAINERS = "array deque map set span string string_view vector"
-# Headers any of which serves, and names.
+# (headers, names): each of the headers declares the names.
 HOMES = [
     ("algorithm", "adjacent_find all_of any_of binary_search clamp copy copy_backward copy_if copy_n count count_if equal fill fill_n find find_if "
                   "is_sorted lower_bound max max_element merge min min_element minmax mismatch none_of nth_element remove_if reverse reverse_copy rotate "
@@ -55,7 +55,7 @@ HOMES = [
                     "is_same_v is_signed_v is_trivially_copyable_v remove_cvref_t remove_reference_t underlying_type_t"),
     ("utility", "cmp_greater cmp_less exchange in_range index_sequence integer_sequence make_index_sequence make_integer_sequence"),
     ("utility variant", "in_place_index in_place_type"),
-    # Every standard library has these beside what moves, swaps and pairs.
+    # Every standard library also declares these in the headers of the types that are moved, swapped or paired.
     ("utility algorithm functional map memory optional tuple variant array deque set string vector", "forward move pair swap"),
     ("variant", "get_if holds_alternative monostate variant variant_alternative_t variant_size_v visit"),
     *((name, name) for name in ("array", "bitset", "deque", "map", "set", "vector")),
@@ -64,7 +64,7 @@ HOMES_OF = {name: homes.split() for homes, names in HOMES for name in names.spli
 
 
 class Reach:
-    """Which standard headers a file includes, itself or by way of others."""
+    """The standard headers that a file includes, directly or through other headers."""
 
     def __init__(self, tree):
         self.roots = [tree.root / folder for folder in ("include", "src", "", "tools")]
@@ -72,7 +72,7 @@ class Reach:
 
     def of(self, path):
         if path not in self.known:
-            self.known[path] = set()  # whom its own headers include
+            self.known[path] = set()  # the result for headers that include this file again
             text = without_comments(path.read_text(), keep_strings=True)
             self.known[path] = functools.reduce(set.union, (self.of_name(name) for name in INCLUDE.findall(text)), set())
         return self.known[path]

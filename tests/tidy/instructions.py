@@ -1,7 +1,7 @@
-"""The simulation's machine code does no floating-point arithmetic.
+"""The simulation's machine code has no floating-point arithmetic.
 
-Moves and bit operations on vector registers are integer work and pass. The estimate of a root may use the hardware's
-double: exact integer arithmetic decides its result.
+Moves and bit operations on vector registers are integer instructions, and are allowed. The estimate of a root may use the
+processor's double: exact integer arithmetic decides the result of the root.
 """
 import re
 import shutil
@@ -25,7 +25,7 @@ def architecture(objdump_text):
 
 
 def complaints_of(library, text):
-    """`text` is what objdump -d prints about an archive: per member, per function, tab-separated instructions."""
+    """`text` is the output of objdump -d for an archive: for each member and each function, instructions with tabs between their fields."""
     pattern = ARITHMETIC.get(architecture(text))
     if pattern is None:
         return [f"{library}:1: is for a machine whose floating-point instructions this check does not know; it knows {', '.join(ARITHMETIC)}"]
@@ -55,7 +55,7 @@ def check(tree):
             continue
         objects = compiled(tree, library) if library.suffix == ".cpp" else library
         text = subprocess.run(["objdump", "-d", "-C", "--no-show-raw-insn", str(objects)], capture_output=True, text=True, check=True)
-        # Without raw bytes the mnemonic stands in the second field.
+        # Without raw bytes the mnemonic is in the second field; complaints_of() reads the third.
         complaints += complaints_of(library.name, re.sub(r"^( +[0-9a-f]+:)\t", r"\1\t\t", text.stdout, flags=re.MULTILINE))
     if not any(library.exists() for library in libraries):
         return [f"{tree.build}:1: holds no libraries of the layers"]

@@ -1,9 +1,9 @@
-"""Who may include whom: the layer table against every include and against CMakeLists.txt."""
+"""Compares the table of layers with every include and with CMakeLists.txt: a file may include its own layer, and the layers that it links."""
 import re
 
 from tree import numbered, without_comments
 
-# What each layer links, as in CMakeLists.txt; what those link is allowed too.
+# The layers that each layer links, as in CMakeLists.txt. A layer may also include the layers that those link.
 LINKS = {
     "base": [],
     "math": ["base"],
@@ -28,13 +28,13 @@ PUBLIC = {
     "decimal.h": "math", "row.h": "state", "state.h": "state", "shape.h": "shapes", "asset.h": "shapes",
     "ids.h": "collide", "field.h": "collide", "character.h": "collide", "joint.h": "collide", "vehicle.h": "collide", "ragdoll.h": "world",
     "journal.h": "collide", "world_def.h": "model",
-    "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the state hold
+    "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids that rows of the state contain
     "world.h": "world", "assemble.h": "world", "game.h": "world", "input.h": "world",
     "transport.h": "session", "session.h": "session", "spectator.h": "session", "spectator_relay.h": "session", "join.h": "session", "input_delay.h": "session", "prove.h": "prove", "testing.h": "prove", "forgetful.h": "session",
     "net.h": "net",
     "convert.h": "outside",
 }
-# Headers from elsewhere, and the only places that may include them.
+# Headers of other projects, and the only places that may include them.
 FOREIGN = [
     (r"xxhash\.h", ["src/base/hash.cpp"]),
     (r"hwy/", ["src/base/", "src/solve/"]),
@@ -42,7 +42,7 @@ FOREIGN = [
     (r"(mpfr|gmp)\.h", ["tests/"]),
     (r"(glm|GLFW|epoxy|assimp)/", ["demo/", "tools/"]),
     (r"doctest/", ["tests/"]),
-    # Their headers take longer to compile than a command.
+    # The headers of these two take longer to compile than a command, so only these sources include them.
     (r"CLI/", ["tools/cli/command_line.cpp", "demo/options.cpp"]),
     (r"nlohmann/", ["tools/json/json.cpp"]),
     (r"enet/", ["tests/net/enet/"]),
@@ -60,7 +60,7 @@ def closure(layer):
 
 
 def layer_of(name):
-    """The layer of a file, and None for the outside (tools, demo, tests)."""
+    """Returns the layer of a file, or None for a file outside of the layers (tools, demo, tests)."""
     parts = name.split("/")
     if name.startswith("include/lockstone/"):
         return PUBLIC.get(parts[-1])
@@ -70,7 +70,7 @@ def layer_of(name):
 
 
 def target_of(include):
-    """The layer of an include of ours, and None for all others."""
+    """Returns the layer of a header of this project, "unlisted" for a public header without one, or None for other headers."""
     if include.startswith("lockstone/"):
         return PUBLIC.get(include.split("/")[-1], "unlisted")
     first = include.split("/")[0]
@@ -86,7 +86,7 @@ def complaints_of_include(name, number, include):
         return
     if target == "unlisted":
         yield f"{name}:{number}: {include} has no layer in tests/tidy/layers.py"
-    elif layer is None:  # the outside sees public headers and replay; tests see everything
+    elif layer is None:  # tools and demo may include public headers and replay, tests may include all headers
         if not include.startswith(("lockstone/", "replay/")) and not name.startswith("tests/"):
             yield f"{name}:{number}: {include} is inside the engine; use what include/lockstone offers"
     elif layer != "outside" and target not in closure(layer):

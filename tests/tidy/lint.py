@@ -1,6 +1,7 @@
-"""clang-tidy finds nothing in the engine's sources; `.clang-tidy` has the checks and what each is for.
+"""clang-tidy finds nothing in the engine's sources. `.clang-tidy` lists its checks and the purpose of each.
 
-It takes seconds a source, so a sample is looked at: the longest source of each folder. LOCKSTONE_LONG=1 looks at all.
+clang-tidy takes seconds for each source, so the check runs on a sample: the longest source of each folder. With
+LOCKSTONE_LONG=1 it runs on all sources.
 """
 import concurrent.futures
 import os
@@ -11,9 +12,9 @@ import subprocess
 
 ENGINE = ("src", "replay")
 CONFIG = pathlib.Path(__file__).resolve().parents[2] / ".clang-tidy"
-# As CMakeLists.txt has them.
+# Flags of these sources, as in CMakeLists.txt.
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
-NAMES = ("clang-tidy-14", "clang-tidy")  # later ones know other checks
+NAMES = ("clang-tidy-14", "clang-tidy")  # later versions have other checks
 
 
 def sample(paths):
@@ -47,7 +48,7 @@ def check(tree):
         paths = sample(paths)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         found = pool.map(lambda path: complaints_of(program, tree, path), sorted(paths, key=lambda p: -p.stat().st_size))
-    complaints = sorted({complaint for of_path in found for complaint in of_path})  # a header is seen by many
+    complaints = sorted({complaint for of_path in found for complaint in of_path})  # several sources include a header
     untried = checks_of(CONFIG) ^ set(FAULTS)
     return complaints + [f".clang-tidy:1: {name} is not both asked for and planted" for name in sorted(untried)]
 
@@ -57,7 +58,7 @@ def source(text):
 
 
 SAYS_WHICH = True
-# By check: a source that it has to complain about.
+# For each check: a source in which it has to find a fault.
 FAULTS = {
     "bugprone-too-small-loop-variable": "int f(int n) { int s = 0; for (short i = 0; i < n; ++i) s += i; return s; }\n",
     "bugprone-infinite-loop": "void g(); void f() { int i = 0; while (i < 10) g(); }\n",

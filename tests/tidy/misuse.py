@@ -1,5 +1,5 @@
-"""Every function of the headers below that takes an argument is called by tests/fault/misuse_*.cpp or api_extremes.cpp, which try wrong ones.
-It goes by names: whether the arguments are wrong is for who reads the test."""
+"""tests/fault/misuse_*.cpp or api_extremes.cpp call every function of the headers below that takes an argument, with wrong arguments.
+The check compares names only. A reviewer has to check that the arguments are wrong."""
 import re
 
 from tree import without_comments
@@ -8,16 +8,16 @@ HEADERS = ("include/lockstone/assemble.h", "include/lockstone/asset.h", "include
            "include/lockstone/session.h", "include/lockstone/shape.h", "include/lockstone/simd.h", "include/lockstone/tasks.h",
            "include/lockstone/session/transport.h", "include/lockstone/play/vehicle.h", "include/lockstone/world.h", "replay/branch.h", "replay/diff.h",
            "replay/player.h", "replay/recorder.h", "replay/recording.h", "replay/sink.h", "replay/verifier.h")
-# What the library calls and a game writes, and what any argument is good for.
+# Functions that a game implements and the library calls, and functions for which every argument is valid.
 WITHOUT = {"keep", "flip", "difference", "predict", "run", "on_command", "on_restore", "on_phase", "on_confirmed", "keep_states", "segment_count"}
 DECLARED = re.compile(r"(?<![.>])\b([a-z]\w*)\(([^()]*(?:\([^()]*\)[^()]*)*)\)\s*(?:const\b|noexcept\b|override\b|&&|= 0|\s)*[;{]")
-# What stands in front of a name that is declared: a type.
+# The text in front of a declared name: a type.
 TYPE = re.compile(r"(?:[\w:<>,*&\s]*[\w>][*&]?\s+[*&]?)$")
 NO_TYPE = re.compile(r"\b(return|new|else|case|throw|co_return|explicit|using|typedef|friend)\b")
 
 
 def public_part(text):
-    """Lines of private members are blank; ends of classes are `};` at the depth where they began."""
+    """Returns the text with blank lines for private members. A class ends at a line `};` with less indentation than its `private:`."""
     out, hidden = [], None
     for line in text.split("\n"):
         indent = len(line) - len(line.lstrip())
@@ -32,7 +32,7 @@ def public_part(text):
 
 
 def declarations(text):
-    """(line, name) of functions with parameters."""
+    """Yields (line, name) of each function with parameters."""
     text = public_part(without_comments(text))
     for found in DECLARED.finditer(text):
         before = re.split(r"[;{}]", text[:found.start()])[-1]

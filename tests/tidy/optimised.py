@@ -1,4 +1,4 @@
-"""The release build optimises the engine fully: the last -O of every command that compiles it is -O3, without assertions."""
+"""The release build optimises the engine fully: in every command that compiles it the last -O is -O3, and -DNDEBUG turns assertions off."""
 import json
 import pathlib
 import re
@@ -6,11 +6,11 @@ import re
 from layers import LINKS
 
 ENGINE = ("src/", "replay/")
-UNITY = re.compile(r"/lockstone_(\w+)\.dir/Unity/(\w+)")  # several sources of a layer in one
+UNITY = re.compile(r"/lockstone_(\w+)\.dir/Unity/(\w+)")  # a file that includes several sources of a layer
 
 
 def name_of(tree, path):
-    """As the complaints have it; None of what is no part of the engine."""
+    """Returns the name of the file for complaints, or None if the file is not part of the engine."""
     unity = UNITY.search(path.as_posix())
     if unity:
         return f"{unity[1]}/{unity[2]}" if unity[1] in LINKS else None
@@ -42,7 +42,7 @@ def check(tree):
 
 
 def commands_with(flags, name="src/base/x.cpp"):
-    # Paths are those of the tree, whose place the planted trees do not know.
+    # tidy.py replaces ROOT/ with the folder of the planted tree.
     return {"build/compile_commands.json": json.dumps([{"file": "ROOT/" + name, "command": f"c++ {flags} -c x.cpp"}])}
 
 

@@ -1,21 +1,21 @@
-"""Every README and specification names only files that exist. A README has no table of files: the first comment of a file says what it is.
-Elsewhere a table of files names those of its folder."""
+"""Every Markdown file names only files that exist. A README has no table of files: the first comment of each file says what the file is.
+In other documents a table of files names only files of the document's folder."""
 import re
 
 from tree import CODE_FOLDERS, numbered
 
 ENDINGS = (".h", ".cpp", ".md", ".py", ".sh", ".txt", ".cmake", ".vert", ".frag", ".glsl", ".tsv", ".ttf", ".json")
-# Where a name may be meant from, besides the folder of the text itself.
+# Folders that a name may be relative to, besides the folder of the document.
 BASES = ("", "include", "src", "tools", "tests", "demo", "replay")
 MADE_BY_RUNNING = ("build/",)
 PLACEHOLDER = re.compile(r"(^|/)(NAME|FILE|SCENE|MESH|ASSET)\b")
 FOREIGN = ("xxhash.h",)
-FILE_COLUMNS = ("file", "files", "header")  # what the first column of a table of files is called
+FILE_COLUMNS = ("file", "files", "header")  # titles of the first column of a table of files
 NAME = re.compile(r"[\w.\-/*]+")
 
 
 def is_name(word, root):
-    """Words like `src/math`, `tick.cpp` or `tests/run` are names; `n/a`, `world.save` and `0.5` are not."""
+    """Returns true for names of files like `src/math`, `tick.cpp` or `tests/run`, and false for `n/a`, `world.save` and `0.5`."""
     if not NAME.fullmatch(word) or word.startswith(MADE_BY_RUNNING + ("/", "-", "http")):
         return False
     if PLACEHOLDER.search(word) or word in FOREIGN:
@@ -37,7 +37,7 @@ def is_table_of_files(line):
 
 
 def misplaced(lines, folder):
-    """Names in the first column of a table of files that stand somewhere else: (line number, name)."""
+    """Yields (line number, name) of each name in the first column of a table of files that is not in the folder."""
     in_table = False
     for number, line in lines:
         cell = line.split("|")[1].strip() if line.startswith("|") else None
@@ -61,7 +61,7 @@ def check(tree):
             if line.lstrip().startswith("```"):
                 fenced = not fenced
             words = re.findall(r"\]\(([^)#\s]+)", line)
-            # In a block of commands each word counts, elsewhere what is quoted as code.
+            # In a fenced block each word counts, in other lines only words that are quoted as code.
             for code in [line] if fenced else re.findall(r"`([^`]+)`", line):
                 words += [w.removeprefix("./").rstrip(",;:") for w in code.split()]
             for word in dict.fromkeys(words):

@@ -1,5 +1,5 @@
-"""A function over 60 lines or a file over 600 wants a reason: a comment above it that says "Long:" and why. No folder of sources has more
-than 25 files."""
+"""A function of more than 60 lines has a comment above it with "Long:" and a reason. A file of more than 600 lines has such a comment in its
+first 20 lines. A folder of sources has at most 25 files."""
 import re
 
 from tree import without_comments
@@ -13,9 +13,9 @@ NOT_A_FUNCTION = re.compile(r"^\s*(template\s*<.*>\s*)?(namespace|class|struct|u
 
 
 def kind_of(head):
-    """What the brace after `head` opens; head is the code since the last ; { or }."""
+    """Returns "function" or "scope", the kind of block that the brace after `head` opens. `head` is the code since the last ; { or }."""
     head = re.sub(r"^\s*#[^\n]*$", "", head, flags=re.MULTILINE).strip()
-    if re.search(r"\b(class|struct|enum|union)\s+\w+(\s*:[^()]*)?$", head):  # after any template and requires clause
+    if re.search(r"\b(class|struct|enum|union)\s+\w+(\s*:[^()]*)?$", head):  # with or without template and requires clauses in front
         return "scope"
     if NOT_A_FUNCTION.match(head) and not re.match(r"(class|struct|enum|union)\b[^({]*\b\w+\s*\(", head):
         return "scope"
@@ -23,7 +23,7 @@ def kind_of(head):
 
 
 def functions(code):
-    """(first line, last line) of each outermost function body, counted from its head."""
+    """Yields (first line of the head, last line of the body) of each outermost function."""
     stack, head_start, line = [], 0, 1
     for at, letter in enumerate(code):
         if letter == "\n":
@@ -44,7 +44,7 @@ def functions(code):
 
 
 def has_reason(lines, first):
-    """A reason stands in the comment right above line `first`."""
+    """Returns true if the comment right above line `first` gives a reason."""
     at = first - 2
     while at >= 0 and lines[at].strip().startswith(("//", "template", "*", "/*")):
         if REASON.search(lines[at]):

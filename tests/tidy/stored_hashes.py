@@ -1,4 +1,4 @@
-"""The hashes that the library's self test compares with are those of this build. tools/refresh rewrites them."""
+"""The stored hashes of the library's self test are equal to the hashes of this build. tools/refresh rewrites them."""
 import re
 import subprocess
 
@@ -23,7 +23,7 @@ HASH = re.compile(r"[0-9a-f]{16}")
 
 
 def printed(tree):
-    """The hashes of the built program, in order; none where there is no program."""
+    """Returns the hashes that the built program prints, in order; an empty list if there is no program."""
     program = tree.build / "bin/lockstone"
     if not program.exists():
         return []
@@ -45,7 +45,7 @@ def check(tree):
 
 
 def refresh(tree):
-    """Writes the hashes of the built program into the file; True where it changed."""
+    """Writes the hashes of the built program into the file. Returns true if the file changed."""
     page, hashes = tree.root / PAGE, printed(tree)
     if not hashes:
         raise SystemExit(f"{PAGE}: {tree.build}/bin/lockstone is missing or prints no hashes")

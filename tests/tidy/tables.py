@@ -1,4 +1,4 @@
-"""The tables of replay/FORMAT.md are those of the descriptions in the sources. tools/refresh rewrites them."""
+"""The tables of replay/FORMAT.md are equal to the tables of the descriptions in the sources. tools/refresh rewrites them."""
 import concurrent.futures
 import os
 import re
@@ -9,11 +9,11 @@ PART = re.compile(r"<!-- (?P<name>\w+) -->\n.*?<!-- end of (?P=name) -->\n", re.
 
 
 def parts_of(text):
-    """By name: each table with its marks."""
+    """Returns {name: table with its marks}."""
     return {match["name"]: match.group(0) for match in PART.finditer(text)}
 
 
-# A program of these alone prints the tables; the whole command line takes minutes to compile.
+# A program of these sources prints the tables. The whole command line would take minutes to compile.
 SOURCES = ("tools/cli/recordings/format_tables.cpp", "tools/cli/recordings/state_columns.cpp", "src/model/command_names.cpp", "src/model/manifest.cpp",
            "src/math/decimal.cpp", "src/state/layout.cpp", "src/base/assert.cpp", "src/base/hash.cpp", "src/base/result.cpp")
 MAIN = '''#include "cli/recordings/format_tables.h"
@@ -23,7 +23,7 @@ int main() { std::fputs(lockstone::cli::format_tables().c_str(), stdout); }
 
 
 def made(tree):
-    """Compiles the program in a folder of its own; None where the sources are not there."""
+    """Compiles the program in a separate folder. Returns its path, or None if a source is missing."""
     if not all((tree.root / name).exists() for name in SOURCES):
         return None
     folder = tree.build.parent / "tables"
@@ -61,7 +61,7 @@ def check(tree):
 
 
 def refresh(tree):
-    """Writes the tables into the page; True where it changed."""
+    """Writes the tables into the page. Returns true if the page changed."""
     page = tree.root / PAGE
     before, parts = page.read_text(), printed(tree)
     after = PART.sub(lambda match: parts.get(match["name"], match.group(0)), before)

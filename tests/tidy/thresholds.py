@@ -1,5 +1,6 @@
-"""Each compile-time integer of the engine stands in a list, with what it is. A constant that chooses an execution path names the paths on both sides, so
-who writes a constant of that kind also says how a test sees that a world reaches them. Names of paths are those of src/base/paths.h."""
+"""tests/metamorphic/worlds/thresholds.txt lists each compile-time integer of the engine with its kind. For a constant that chooses an execution path
+it names the paths on both sides, so the author of such a constant also defines how a test detects that a world reaches them. The names of the paths
+are those of src/base/paths.h."""
 import re
 
 from tree import without_comments
@@ -13,7 +14,7 @@ DECLARED = re.compile(r"\s*(\w+)\s*(?:=|\{)")
 
 
 def parts(text):
-    """What stands between commas outside of all brackets."""
+    """Yields the parts of the text between commas outside of all brackets."""
     depth, first = 0, 0
     for at, letter in enumerate(text):
         depth += (letter in "([{") - (letter in ")]}")
@@ -24,7 +25,7 @@ def parts(text):
 
 
 def defined(tree):
-    """{(path, name): line}"""
+    """Returns {(path, name): line}."""
     found = {}
     for path in tree.files(FOLDERS):
         text = without_comments(path.read_text())
@@ -36,7 +37,7 @@ def defined(tree):
 
 
 def listed(text):
-    """(line, path, name, kind) of each entry; None in place of an entry that cannot be read."""
+    """Yields (line, path, name, kind) of each entry. The path is None if the entry does not have three words."""
     for number, line in enumerate(text.split("\n"), start=1):
         words = line.split()
         if not words or words[0].startswith("#"):

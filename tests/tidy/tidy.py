@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Checks of the sources themselves, each with planted faults that it has to find.
+"""Checks of the sources, each with planted faults that it has to find.
 
-    tests/tidy/tidy.py words                      prints what is wrong, exits 1; silent and 0 when all is well
-    tests/tidy/tidy.py --planted words            makes small trees with one fault each, exits 1 if one is missed
-    tests/tidy/tidy.py                            all checks that need no build and no minute
+    tests/tidy/tidy.py words                      prints the faults and exits with 1; prints nothing and exits with 0 if there are none
+    tests/tidy/tidy.py --planted words            makes small trees with one fault each; exits with 1 if the check misses a fault, or
+                                                  complains about a good tree
+    tests/tidy/tidy.py                            runs all checks that need no build and take less than a minute
 
-A check is a module with `check(tree)`, which returns sentences that start with file:line, and `PLANTED`, a list of
-(what is wrong, {path: text}) that `check` must complain about, beside `GOOD`, trees that it must accept. Where a module is `SAYS_WHICH`,
-what is wrong begins with a word and a comma, and a complaint has to hold the word: another complaint will not do.
+A check is a module with three names. `check(tree)` returns sentences that start with file:line. `PLANTED` is a list of
+(fault, {path: text}): `check` must complain about each of these trees. `GOOD` has trees that it must accept. If a module sets `SAYS_WHICH`,
+each fault begins with a word and a comma, and a complaint must contain that word: other complaints do not count.
 """
 import argparse
 import importlib
@@ -18,13 +19,13 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from tree import Tree  # noqa: E402
 
-WITHOUT_BUILD = ["words", "compilers", "layers", "headers", "includes", "sizes", "readmes", "dead_headers", "misuse", "diagram", "workflows", "format", "tables", "cost_card", "thresholds", "assertions"]
+WITHOUT_BUILD = ["words", "compilers", "layers", "headers", "includes", "sizes", "readmes", "dead_headers", "misuse", "diagram", "workflows", "format", "tables", "cost_card", "thresholds", "assertions", "english"]
 OF_RELEASE = ["instructions", "optimised"]
-SLOW = ["lint"]  # a minute
-OF_PROGRAM = ["stored_hashes"]  # of bin/lockstone in the build's folder, of any build type
+SLOW = ["lint"]  # takes a minute
+OF_PROGRAM = ["stored_hashes"]  # needs bin/lockstone in the build folder, of any build type
 OF_TOOL = ["winsock", "documented"]  # skipped unless mingw-w64 or doxygen is installed
 CHECKS = WITHOUT_BUILD + SLOW + OF_RELEASE + OF_PROGRAM + OF_TOOL
-SKIPPED = 77  # what ctest takes for a test that cannot run
+SKIPPED = 77  # the exit status by which ctest recognises a skipped test
 
 
 def run(name, tree):

@@ -1,4 +1,4 @@
-"""The source tree as the checks see it."""
+"""The source tree that the checks read."""
 import re
 
 SOURCES = (".h", ".cpp")
@@ -15,7 +15,7 @@ class Tree:
         self.cxx = cxx
 
     def files(self, folders=CODE_FOLDERS, endings=SOURCES):
-        """Paths below the root in a fixed order."""
+        """Returns the paths of the files in these folders with these endings, in a fixed order."""
         found = []
         for folder in folders:
             found += [p for p in (self.root / folder).rglob("*") if p.is_file() and p.name.endswith(tuple(endings))]
@@ -26,7 +26,7 @@ class Tree:
 
 
 def without_comments(text, keep_strings=False):
-    """The same text with comments (and strings) blanked out; every line keeps its number."""
+    """Returns the text with blanks in place of comments and, unless keep_strings is set, of strings. Every line keeps its number."""
     def blank(match):
         token = match.group(0)
         if keep_strings and not token.startswith(("//", "/*")):

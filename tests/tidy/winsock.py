@@ -1,5 +1,5 @@
-"""What has sockets compiles for Windows, too: src/net/udp and addresses, by mingw-w64. libsodium is not there for it, so the rest of src/net is not
-compiled; it knows nothing of the system."""
+"""The sources that use sockets compile for Windows, too: mingw-w64 compiles src/net/udp and address.cpp of src/net. It has no libsodium, so the check
+does not compile the rest of src/net, which calls no functions of the operating system."""
 import shutil
 import subprocess
 

@@ -1,10 +1,11 @@
-"""Words that have no place where results are made: floating point, order by address or by hash, clocks, chance."""
+"""Code that computes results has no floating point, no order by address or by hash, no clocks and no random numbers. Tests have no loose
+tolerances, and no file has a path of one machine."""
 import re
 
 from tree import numbered, without_comments
 
 SIMULATION = ("include", "src", "replay", "tools/scenes")
-# convert.h is the border; the estimate starts an exact integer root and cannot change its result.
+# convert.h converts between the engine's numbers and floats. The estimate is the start of an exact integer root and cannot change its result.
 MAY_USE_FLOATS = ("include/lockstone/math/convert.h", "src/math/estimate.h", "src/math/estimate.cpp")
 MAY_USE_CLOCKS = ("src/net/",)
 
@@ -45,7 +46,7 @@ def check(tree):
     complaints = []
     for path in tree.files(SIMULATION):
         name, text = tree.name(path), without_comments(path.read_text())
-        # Strings are blanked, so a decimal in one is not a literal; includes keep their brackets.
+        # Strings are blank here, so a decimal in a string is not a literal. Names of headers in <> stay.
         if name not in MAY_USE_FLOATS:
             complaints += complaints_of(name, text, FLOATS)
         complaints += complaints_of(name, text, ORDER)

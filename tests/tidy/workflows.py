@@ -1,4 +1,4 @@
-"""Every script that a workflow runs exists, and knows each option that it is given."""
+"""Every script that a workflow runs exists, and has each option that the workflow passes."""
 import re
 
 from tree import numbered
@@ -7,7 +7,7 @@ OURS = r"(?:tests|tools|demo|\.ci)/[\w./-]+"
 
 
 def options_of(text):
-    """What stands in a script's code as an option is written, `--long`, or before the parenthesis of a case, `--long)`; not in its comments."""
+    """Returns the options in a script's code: words like `--long`, or `--long)` for a case of a shell script. Without comments and docstrings."""
     code = "\n".join(re.sub(r"(^|\s)#.*", "", line) for line in text.splitlines())
     code = re.sub(r'"""(?:.|\n)*?"""', "", code)
     return set(re.findall(r"(?<![\w-])--?[a-z][\w-]*(?=[)\s|'\",]|$)", code, re.MULTILINE))

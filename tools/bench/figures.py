@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Writes what the benchmark measured into the READMEs: the figures into tools/bench/README.md, the cost card into README.md.
+"""Writes the results of the benchmark into the READMEs: the figures into tools/bench/README.md, the cost card into README.md.
 
-    tools/bench/figures.py RESULTS.json...        from what `lockstone bench --json` and `--instructions --json` printed; later ones win
-    tools/bench/figures.py --run [LOCKSTONE]      runs all of it first, and draws tools/bench/front.svg; half an hour on an idle machine
+    tools/bench/figures.py RESULTS.json...        reads the output of `lockstone bench --json` and `--instructions --json`; lists of several
+                                                  files are joined, other values of later files replace those of earlier ones
+    tools/bench/figures.py --run [LOCKSTONE]      runs all benchmarks first, and draws tools/bench/front.svg; takes half an hour on an idle machine
 
-Each table stands between two lines, <!-- NAME --> and <!-- end of NAME -->, and replaces what is there.
+Each part replaces the text between two lines, <!-- NAME --> and <!-- end of NAME -->.
 """
 import json
 import pathlib
@@ -24,7 +25,7 @@ def head(*cells):
 
 
 def number(x):
-    """Three digits are all that a machine like this is good for."""
+    """Returns x with three digits, or as an integer from 100 on: measurements are not more precise."""
     if x == 0:
         return "0"
     return f"{x:,.0f}" if abs(x) >= 100 else f"{x:.3g}"
@@ -35,7 +36,7 @@ def engine(scene, name):
 
 
 def shown(scene):
-    """Ours, and the peers: not ours by other instruction sets."""
+    """Returns the run of Lockstone and the runs of its peers, without runs of Lockstone with other instruction sets."""
     return [run for i, run in enumerate(scene["engines"]) if i == 0 or not run["engine"].startswith("Lockstone")]
 
 
@@ -121,7 +122,7 @@ def games(results):
 
 
 def verdicts(results):
-    """(where, verdict) of all that was asked."""
+    """Yields (where, verdict) of each figure that has a limit."""
     for part in ("scenes", "state", "scaling"):
         for entry in results.get(part, []):
             for verdict in entry.get("verdicts", []):
@@ -146,7 +147,7 @@ def missed(results):
 
 
 def counts(results):
-    """Instructions of scenes that were counted and not timed."""
+    """Returns a table of the scenes whose instructions were counted, and that have no times."""
     timed = {scene["scene"] for scene in results.get("scenes", [])}
     lines = head("M instructions a tick", "counted", "must", "goal")
     for counted in results.get("instructions", []):

@@ -1,7 +1,7 @@
-# What the scripts that drive the command line share. Expects: lockstone. Leaves the last command's output in out and err.
+# Functions of the scripts that test the command line. The caller sets lockstone. The output of the last command is in the files out and err.
 # shellcheck shell=bash disable=SC2154
 
-# Everything happens in a folder of its own, which is gone at the end.
+# Makes a temporary folder, changes into it, and deletes it when the script ends.
 own_folder() {
     work=$(mktemp -d)
     trap 'rm -rf "$work"' EXIT
@@ -13,7 +13,7 @@ fail() {
     exit 1
 }
 
-# expect STATUS ARGUMENT...
+# expect STATUS ARGUMENT...: runs lockstone and fails if it ends with another status
 expect() {
     local wanted=$1 status=0
     shift
@@ -21,8 +21,8 @@ expect() {
     [ "$status" -eq "$wanted" ] || fail "'lockstone $*' ended with $status instead of $wanted; it printed: $(cat out err)"
 }
 
-# begin NAME COMMAND...: in the background, at most $patience seconds; sets process, and adds it to children. All that it says goes into the file NAME,
-# which is empty before it starts: whoever waits for words in it does not find those of an earlier process.
+# begin NAME COMMAND...: starts the command in the background, for at most $patience seconds; sets process, and adds it to children. The output goes
+# to the file NAME. The function empties this file first, so that a search in it does not find output of an earlier process.
 begin() {
     local name=$1
     shift
@@ -32,7 +32,7 @@ begin() {
     children+=("$process")
 }
 
-# flip FILE BYTE: turns one bit round.
+# flip FILE BYTE: inverts one bit of this byte.
 flip() {
     python3 - "$1" "$2" <<'PYTHON'
 import sys

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# cli_bad_usage.sh LOCKSTONE: bad usage and bad input end with status 2 and one sentence that names what is wrong.
+# cli_bad_usage.sh LOCKSTONE: bad usage and bad input end with status 2 and one sentence that names the error.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
 own_folder
 
-# refused WORDS ARGUMENT...: status 2, nothing on stdout, one line on stderr that holds WORDS.
+# refused WORDS ARGUMENT...: checks for status 2, an empty stdout, and one line on stderr that contains WORDS.
 refused() {
     local words=$1
     shift
@@ -59,7 +59,7 @@ refused 'empty.lsr' verify empty.lsr
 echo 'not a recording' >text.lsr
 refused 'text.lsr' verify text.lsr
 
-input_line() { # a text file with one good and one bad line
+input_line() { # LINE WORDS: an input file with one good line and the bad LINE must be refused with WORDS
     printf '0 0 7f0000\n%s\n' "$1" >inputs.txt
     refused "inputs.txt: line 2" run rollback-arena --ticks 1 --input inputs.txt
     grep -qF -- "$2" err || fail "the sentence does not say '$2': $(cat err)"
@@ -72,7 +72,7 @@ input_line '5 0 7f00' 'not an input of 3 bytes'
 input_line '5 0 7g0000' 'not an input of 3 bytes'
 input_line '0 0 7f0000' 'does not come after'
 
-# What stands in a file from anybody is shown as text, and not more of it than one can read.
+# An error sentence shows bytes of a file as text without control characters, and shows only the beginning of a long word.
 input_line $'\033[31mred 0 7f0000' "'\x1b[31mred' is not a tick"
 input_line $'5 \302\233m 7f0000' "'\xc2\x9bm' is not a player"
 input_line $'5 0 \377\303\274\300\257' "'\xff"$'\303\274'"\xc0\xaf' is not an input"
@@ -88,14 +88,14 @@ refused 'holds ticks 0 to 30' branch s.lsr --at 31 -o b.lsr
 refused 'is what is read from' branch s.lsr --at 3 -o ./s.lsr
 refused 'is what is read from' run stack --input s.lsr --record s.lsr
 
-# What the user has is kept: an output is no input, no two outputs are one file, and none is touched before all can be written.
+# Existing files are safe: an output must not be an input, two outputs must not be one file, and no output changes before all can be written.
 printf '0 0 7f0000\n' >good.txt
 printf '0 0 7f00\n' >bad.txt
 "$lockstone" run rollback-arena --ticks 30 --record r.lsr >/dev/null
 cp r.lsr precious.lsr
 ln precious.lsr link.lsr
 sum=$(sha256sum <precious.lsr)
-keeps() { # like refused; precious.lsr stays as it is
+keeps() { # like refused; also checks that precious.lsr is unchanged
     refused "$@"
     [ "$(sha256sum <precious.lsr)" = "$sum" ] || fail "'lockstone ${*:2}' has changed precious.lsr"
 }
@@ -115,8 +115,8 @@ keeps 'missing.txt' run rollback-arena --ticks 3 --input missing.txt --record pr
 keeps 'nowhere/x.tsv' replay r.lsr --hashes nowhere/x.tsv
 [ ! -e new.lsr ] || fail "what is refused has made a file"
 
-# Names of files reach the terminal without control characters, and so does what files hold.
-is_plain() { # FILE...: UTF-8 without controls
+# The command line prints names and contents of files without control characters.
+is_plain() { # FILE...: succeeds if the files are UTF-8 without control characters
     python3 - "$@" <<'PYTHON'
 import sys
 text = "".join(open(name, "rb").read().decode() for name in sys.argv[1:])
@@ -131,7 +131,7 @@ done
 odd=$'odd\033[31m\302\23331m\377\nend.lsr'
 cp s.lsr "$odd"
 head -c $(($(stat -c %s s.lsr) - 200)) s.lsr >"cut$odd"
-shows() { # STATUS ARGUMENT...
+shows() { # STATUS ARGUMENT...: like expect; also checks that lockstone prints text without control characters
     expect "$@"
     [ -s out ] || [ -s err ] || fail "'lockstone ${*:2}' prints nothing"
     is_plain out err || fail "'lockstone ${*:2}' prints control characters"
@@ -157,8 +157,8 @@ for shard in 0/-1 0/4294967297 -1/2 4294967296/4294967297 0/ /1 0/0 0/1/1 '0 /1'
 expect 0 verify s.lsr --shard 0/1
 refused 's.lsr' run rollback-arena --ticks 1 --input s.lsr
 
-# What was printed and did not arrive is not called good. Who reads only the first line is not told anything.
-lost() { # ARGUMENT...
+# If lockstone cannot write its output, it ends with an error. If the reader closes the pipe after the first line, lockstone prints no error.
+lost() { # ARGUMENT...: the command must fail if stdout is full or closed
     local status=0
     "$lockstone" "$@" >/dev/full 2>err || status=$?
     [ $status -eq 2 ] && grep -q 'standard output: cannot write' err || fail "'$* >/dev/full' ends with $status: $(cat err)"

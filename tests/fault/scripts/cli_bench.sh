@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# cli_bench.sh LOCKSTONE: the benchmark runs, says what it measured, and judges. Nothing here depends on how fast it is.
+# cli_bench.sh LOCKSTONE: the benchmark runs, prints all of its figures, and refuses bad options. No check here depends on the speed of the machine.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
 own_folder
 
-refused() { # SENTENCE ARGUMENT...: bad input, which the sentence names
+refused() { # SENTENCE ARGUMENT...: checks for status 2 and an error that contains SENTENCE
     local sentence=$1
     shift
     expect 2 "$@"

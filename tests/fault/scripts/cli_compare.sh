@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# cli_compare.sh LOCKSTONE: both engines run in every scene of `compare`, its pictures are drawn, and what it cannot do it says.
+# cli_compare.sh LOCKSTONE: `compare` runs both engines in its scenes and draws its pictures; a request that it cannot do ends with an error sentence.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
 own_folder
 
-refused() { # SENTENCE ARGUMENT...: status 2, one line on stderr that holds the sentence
+refused() { # SENTENCE ARGUMENT...: checks for status 2 and one line on stderr that contains SENTENCE
     local sentence=$1
     shift
     expect 2 "$@"
@@ -59,7 +59,7 @@ refused "the thesis' engine has no joints" compare bridge
 refused "--iterations: '0' is not a whole number from 1 to 1000000" compare stack --iterations 0
 refused "--substeps: '65' is not a whole number from 0 to 64" compare stack --substeps 65
 refused "--substeps: '5000' is not" compare stack --substeps 5000
-# Nothing is computed, and nothing printed, for a picture that cannot be written.
+# If the picture cannot be written, the command computes and prints no results.
 refused 'nowhere/p.svg: cannot write: No such file' compare two-blocks --ticks 3 --json --plot nowhere/p.svg
 [ ! -s out ] || fail "a picture that cannot be written is printed: $(head -c 300 out)"
 mkdir empty && for tool in bash cat env sh; do ln -s "$(command -v $tool)" empty/; done

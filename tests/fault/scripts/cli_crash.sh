@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# cli_crash.sh LOCKSTONE: recordings that were cut are opened and repaired, a signal ends a recording properly, limits hold.
+# cli_crash.sh LOCKSTONE: incomplete recordings can be opened and repaired, a recording that a signal ends is complete, memory limits hold.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
@@ -7,8 +7,8 @@ own_folder
 
 says() { grep -qF -- "$1" out err || fail "'$1' is not said: $(cat out err)"; }
 
-# ---- a signal: the recording is complete, and the shell sees the signal ----
-wait_for() { # until FILE has BYTES
+# ---- a signal: the recording is complete, and the process ends with the signal's status ----
+wait_for() { # FILE BYTES: returns when FILE has BYTES; fails after 30 s
     for _ in $(seq 600); do
         [ "$(stat -c %s "$1" 2>/dev/null || echo 0)" -lt "$2" ] || return 0
         sleep 0.05
@@ -16,7 +16,7 @@ wait_for() { # until FILE has BYTES
     fail "$1 does not grow"
 }
 for signal in TERM INT HUP; do
-    # Not in the background of this shell, which would ignore Ctrl-C.
+    # Python starts the run, because a process that this shell starts in the background ignores SIGINT.
     python3 - "$lockstone" $signal <<'PYTHON' || fail "SIG$signal does not end the run as it should"
 import os, signal, subprocess, sys, time
 number = getattr(signal, "SIG" + sys.argv[2])
@@ -30,7 +30,7 @@ PYTHON
     rm signal.lsr
 done
 
-# ---- a crash: what is left opens with a sentence ----
+# ---- a crash: the incomplete recording can be opened, with a message ----
 "$lockstone" run stack --ticks 100000000 --record killed.lsr >/dev/null &
 pid=$!
 wait_for killed.lsr 12000
@@ -56,14 +56,14 @@ expect 2 repair whole.lsr -o again.lsr
 says 'is complete'
 expect 2 repair killed.lsr -o ./killed.lsr
 
-# ---- damage is not a crash ----
+# ---- a damaged recording is refused; repair recovers its undamaged start ----
 cp whole.lsr damaged.lsr
 flip damaged.lsr $(($(stat -c %s damaged.lsr) * 3 / 4))
 expect 2 replay damaged.lsr
 expect 0 repair damaged.lsr -o mended.lsr
 expect 0 verify mended.lsr
 
-# ---- a file that is removed under the recorder ----
+# ---- a file that is removed while the recorder writes it ----
 "$lockstone" run stack --ticks 100000000 --record gone.lsr >out 2>err &
 pid=$!
 wait_for gone.lsr 9000
@@ -77,7 +77,7 @@ says 'was removed'
 expect 0 verify whole.lsr --memory 16 --jobs 16
 expect 0 run pile --size 1000 --ticks 3 --record pile.lsr
 expect 0 verify pile.lsr --memory 512 --jobs 16
-# Each command that takes --memory: the recording can be read within 16 MB and not be played within them.
+# For each command with the option --memory: 16 MB are enough to read the recording, but not to play it.
 limited=0
 for command in $("$lockstone" --help | sed -n '/^Subcommands/,$s/^  \([a-z-]*\)  .*/\1/p'); do
     [[ $("$lockstone" "$command" --help) == *--memory* ]] || continue
@@ -86,18 +86,18 @@ for command in $("$lockstone" --help | sed -n '/^Subcommands/,$s/^  \([a-z-]*\) 
     case $command in
         verify | replay) expect 2 "$command" pile.lsr --memory 16 ;;
         branch) expect 2 branch pile.lsr --memory 16 --at 1 -o branched.lsr ;;
-        diff) # states that differ are played again, so that the phase is named
+        diff) # diff plays differing states again to find the phase in which they differ
             expect 0 run pile --size 1000 --seed 2 --ticks 3 --record other.lsr
             expect 2 diff pile.lsr other.lsr --memory 16
             ;;
-        info | repair | cook) continue ;; # play nothing; cook_end_to_end.sh has the limit of cook
+        info | repair | cook) continue ;; # these commands play no recording; cook_end_to_end.sh checks the limit of cook
         *) fail "no case here for --memory of '$command'" ;;
     esac
     says '--memory'
 done
 [ $limited -eq 7 ] || fail "$limited commands have --memory"
 
-# ---- what a long run found is there when it is killed ----
+# ---- a long run prints each result at once, so a killed run has printed its results so far ----
 "$lockstone" match --seeds 1..1000000 --ticks 30 >lines &
 pid=$!
 wait_for lines 1

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# cli_end_to_end.sh LOCKSTONE: every scene is recorded, replayed, verified and branched; every damage is noticed.
+# cli_end_to_end.sh LOCKSTONE: every scene is recorded, replayed and verified; recordings of two scenes are branched; damaged ones are refused.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
 own_folder
 
-small() { # the scene at a size that is quick to run
+small() { # SCENE: prints the option of a size that runs quickly
     case $1 in
         pyramid) echo --size 8 ;;
         pile) echo --size 60 ;;
@@ -19,7 +19,7 @@ small() { # the scene at a size that is quick to run
     esac
 }
 
-# ---- every scene: recorded, then the same bits again ----
+# ---- every scene: recorded; a second run and a replay give the same bits ----
 mapfile -t scenes < <("$lockstone" scenes | awk '{ print $1 }')
 [ ${#scenes[@]} -ge 6 ] || fail "scenes lists ${#scenes[@]} scenes"
 for scene in "${scenes[@]}"; do
@@ -47,7 +47,7 @@ for key in bodies awake contacts penetration_max_m drift_max_m displacement_max_
     grep -q "\"$key\":" stack.json || fail "the report lacks $key"
 done
 
-# ---- inputs from a recording and from a text file; seeds and inputs matter ----
+# ---- inputs from a recording and from a text file; other seeds and inputs give other hashes ----
 expect 0 run rollback-arena --seed 3 --ticks 150 --input rollback-arena.lsr --hashes again.tsv
 cmp rollback-arena.tsv again.tsv || fail "the inputs of a recording do not repeat its run"
 printf '# tick player bytes\n0 0 7f0000\n30 0 -\n30 1 008102\n' >inputs.txt
@@ -65,7 +65,7 @@ expect 0 diff rollback-arena.lsr rollback-arena.lsr
 expect 0 branch pile.lsr --at 60 --ticks 20 -o branch.lsr
 expect 0 verify branch.lsr
 
-# ---- a damaged file is noticed wherever the damage lies ----
+# ---- a file with an inverted bit is refused, wherever the bit is ----
 bytes=$(stat -c %s rollback-arena.lsr)
 for at in 3 20 200 $((bytes / 2)) $((bytes - 100)) $((bytes - 1)); do
     cp rollback-arena.lsr damaged.lsr
@@ -77,17 +77,17 @@ for at in 3 20 200 $((bytes / 2)) $((bytes - 100)) $((bytes - 1)); do
 done
 head -c $((bytes - 500)) rollback-arena.lsr >cut.lsr
 expect 2 verify cut.lsr
-expect 2 verify rollback-arena.lsr cut.lsr # one bad file among good ones
+expect 2 verify rollback-arena.lsr cut.lsr # one bad file beside a good one
 
-# ---- the first differences of many ----
+# ---- diff finds tick and phase of the first difference, and prints only the first 8 columns ----
 expect 0 branch rollback-arena.lsr --at 20 --ticks 30 -o other.lsr
 expect 1 diff rollback-arena.lsr other.lsr
 grep -Eq '^first differing tick: 2[0-9]' out && grep -q '^first differing phase' out || fail "a branch is not told by tick and phase: $(cat out)"
 for seed in 1 2; do expect 0 run pile --size 20 --ticks 5 --seed $seed --record pile$seed.lsr; done
-expect 1 diff pile1.lsr pile2.lsr # 20 boxes lie elsewhere
+expect 1 diff pile1.lsr pile2.lsr # the 20 boxes have other positions
 [ "$(grep -c '^  column' out)" -eq 8 ] && grep -q '^  and more: these are the first 8$' out || fail "diff ends after 8 and does not say so: $(cat out)"
 
-# ---- what was compared is said, and where nothing was, that ----
+# ---- a command prints how much it compared; without any comparison it is refused or prints a note ----
 expect 0 synctest rollback-arena --ticks 20 --depth 4
 grep -q ': 20 ticks, 16 times rolled back 4 ticks and run again, 64 hashes compared: bit-exact, hash' out || fail "synctest tells something else: $(cat out)"
 expect 0 self-test
@@ -103,9 +103,9 @@ expect 0 replay rollback-arena.lsr --from 5 --to 5
 grep -q 'no tick was asked for; the state at time 5 has the recorded hash' out || fail "replay of no tick says: $(cat out)"
 ! grep -q 'bit-exact' out || fail "replay of no tick calls it bit-exact"
 
-# ---- planted faults: a column that snapshots leave out ----
+# ---- planted faults: snapshots lack one column ----
 for column in body.velocity game.match contact.memory; do
-    "$lockstone" synctest rollback-arena --ticks 8 --plant "$column" >/dev/null 2>&1 || [ $? -ne 2 ] || continue # not in this manifest
+    "$lockstone" synctest rollback-arena --ticks 8 --plant "$column" >/dev/null 2>&1 || [ $? -ne 2 ] || continue # status 2: this scene has no such column
     expect 1 synctest rollback-arena --ticks 200 --plant "$column"
     grep -q "$column" out || fail "synctest does not name $column: $(cat out)"
 done
@@ -118,9 +118,9 @@ expect 0 info m-1-3.lsr
 grep -qF '"match.peer":"3"' out || fail "the file of machine 3 names another one: $(grep options out)"
 expect 0 match --peers 2 --mode lockstep --ticks 60
 grep -q ' 0 rollbacks' out || fail "lockstep rolled back: $(cat out)"
-expect 0 match --seeds 18446744073709551615 --ticks 30 # the last there is: it does not begin again at 0
+expect 0 match --seeds 18446744073709551615 --ticks 30 # the largest seed: the loop must not continue at 0
 [ "$(wc -l <out)" -eq 1 ] || fail "the last seed is not the only one: $(cat out)"
-# A packet has half a hash, and what is told of it is called half: of the recordings' whole ones it is the end.
+# A packet contains the lower half of a hash, and the message calls it so. The whole hashes in the recordings must end with these digits.
 expect 1 match --plant --ticks 60 --record-prefix planted
 ours=$(sed -n 's/^machine 1 and machine 2 differ after tick 30: lower half of the hash \([0-9a-f]\{8\}\) against .*/\1/p' out)
 theirs=$(sed -n 's/^machine 1 and machine 2 differ after tick 30: lower half of the hash .* against \([0-9a-f]\{8\}\)$/\1/p' out)
@@ -129,7 +129,7 @@ expect 0 replay planted-1-1.lsr --from 30 --to 31 --hashes planted.tsv
 grep -Eq "^30[[:space:]][0-9a-f]{8}$ours$" planted.tsv || fail "machine 1 has another hash than was told, $ours: $(cat planted.tsv)"
 expect 1 replay planted-1-2.lsr --from 30 --to 31
 grep -Eq "against [0-9a-f]{8}$theirs$" out || fail "machine 2 has recorded another hash than was told, $theirs: $(cat out)"
-# A machine that was lost is called lost, and by whom.
+# A lost connection is reported as a loss, with the number of the machine, and not as a difference.
 expect 1 match --latency 10000 --ticks 60
 grep -q 'machine 2: has lost machine 1, or was lost by it' out && grep -q 'machine 1: player 2 left at tick' out || fail "a loss is not told: $(cat out)"
 ! grep -q 'differs from' out || fail "a loss is called a difference: $(cat out)"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# cook_end_to_end.sh LOCKSTONE: every sample model becomes every asset that it can be; the rest is refused with a sentence.
+# cook_end_to_end.sh LOCKSTONE: the sample models are cooked into every kind of asset; bad models and options end with an error sentence.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source "$here/cli.sh"
@@ -7,10 +7,10 @@ samples=$here/../../../tools/cook/samples
 lockstone=$1
 own_folder
 
-# value KEY: a number or word of the report in out.
+# value KEY: prints a value of the JSON report in the file out.
 value() { python3 -c 'import json, sys; print(json.load(open("out"))[sys.argv[1]])' "$1"; }
 
-# cooked KIND DEVIATION MODEL ARGUMENT...: a file of that kind that deviates at most so much.
+# cooked KIND DEVIATION MODEL ARGUMENT...: cooks the model and checks that the asset is of KIND and deviates by at most DEVIATION [m].
 cooked() {
     local kind=$1 deviation=$2 model=$3
     shift 3
@@ -21,7 +21,7 @@ cooked() {
     [ "$(stat -c %s asset.lsa)" -ge "$(value bytes)" ] || fail "$model: the file is shorter than its assets"
 }
 
-# refused STATUS WORDS ARGUMENT...: one line on stderr that holds WORDS, and no file.
+# refused STATUS WORDS ARGUMENT...: checks for the status, one line on stderr that contains WORDS, and no output file.
 refused() {
     local status=$1 words=$2
     shift 2
@@ -42,7 +42,7 @@ cooked compound 1e-7 bracket.obj --as convex
 cp asset.lsa obj.lsa
 cooked compound 1e-7 bracket.fbx --as convex
 cmp asset.lsa obj.lsa || fail "the same bracket from OBJ and FBX gave other bytes"
-# The same file in centimetres.
+# This copy of bracket.fbx has its lengths in centimetres.
 sed 's/UnitScaleFactor", "double", "Number", "", 100/UnitScaleFactor", "double", "Number", "", 1/' "$samples/bracket.fbx" >centimetres.fbx
 expect 0 cook centimetres.fbx -o asset.lsa --as mesh --json
 python3 -c 'import sys; sys.exit(abs(float(sys.argv[1]) - 8e-5) > 1e-9)' "$(value deviation_aimed_m)" || fail "a bracket of 0.8 cm is allowed $(value deviation_aimed_m) m"
@@ -66,12 +66,12 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n
 expect 0 cook tetrahedron.obj -o asset.lsa --deviation 0
 ! grep -q 'concave' out || fail "a tetrahedron is called concave: $(cat out)"
 
-# ---- too far from the model: status 1 and no file ----
+# ---- an asset that deviates too far from the model: status 1 and no file ----
 refused 1 'deviates by' "$samples/gem.stl" --vertices 6 --deviation 0.01
 refused 1 'deviates by' "$samples/chair.gltf" --as convex --parts 2
 refused 1 'deviates by' "$samples/hill.ply" --as height-field --spacing 5
 
-# ---- bad input: status 2, the file and the reason ----
+# ---- bad input: status 2, and a sentence with the file and the reason ----
 refused 2 'missing.obj: there is no such file' missing.obj
 refused 2 "$PWD: is a directory" "$PWD"
 refused 2 '/dev/null: is no regular file' /dev/null
@@ -81,7 +81,7 @@ refused 2 "'0' is not a number" "$samples/gem.stl" --scale 0
 refused 2 "'300' is not a whole number from 4 to 255" "$samples/gem.stl" --vertices 300
 refused 2 'gem.stl' "$samples/gem.stl" --scale 1e-5
 refused 2 'gem.stl: ' "$samples/gem.stl" --scale 1e5
-# A model that needs more memory than the command may take: a grid of 28,000 triangles.
+# This model, a grid of 28,000 triangles, needs more memory than the 64 MB that the command below allows.
 python3 - >grid.obj <<'PYTHON'
 side = 120
 for x in range(side):
@@ -94,7 +94,7 @@ for x in range(side - 1):
         print("f", a + 1, a + side + 1, a + side)
 PYTHON
 refused 2 '(--memory allows more)' grid.obj --as mesh --memory 64
-# The planted twin of the limit: with a limit that is not reached, the refusal above does not happen.
+# Counter-check of the limit: with the default limit, which is higher, the command cooks the model.
 expect 0 cook grid.obj --as mesh -o grid.lsa
 refused 2 "'63' is not a whole number from 64" grid.obj --memory 63
 cp "$samples/gem.stl" gem.stl

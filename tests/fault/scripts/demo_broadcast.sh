@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# demo_broadcast.sh LOCKSTONE DEMO: two demos play over UDP, `lockstone broadcast` shows the match, and three demos watch by its one code. The host is
-# killed in the middle: through the other machine all watch on, and see what that machine has confirmed. Who is shown the host alone sees no end.
+# demo_broadcast.sh LOCKSTONE DEMO: two demos play over UDP, `lockstone broadcast` shows the match, and three demos watch it with one code. The
+# script kills the host during the match. The broadcast continues from the second machine, and its three watchers get all ticks that this machine
+# has confirmed. A second broadcast has the host as its only source: its watcher ends with an error.
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 source "$here/cli.sh"
@@ -10,10 +11,10 @@ children=()
 trap 'kill "${children[@]}" 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
 cd "$work"
 unset DISPLAY WAYLAND_DISPLAY
-patience=$((ticks / 60 + 110)) # [s], on a machine that does something else
+patience=$((ticks / 60 + 110)) # [s], long enough for a busy machine
 view=(--offscreen --script --width 320 --height 200 --frame-every 100000)
 
-# said WORDS FILE [NTH]: sets words, what stands behind these words in the file, in the NTH line that has them.
+# said WORDS FILE [NTH]: sets words to the text after WORDS in the NTH (first) line that begins with WORDS; fails after 30 s without such a line.
 said() {
     for _ in $(seq 300); do
         words=$(sed -n "s/^$1 //p" "$2" | sed -n "${3:-1}p")
@@ -22,12 +23,12 @@ said() {
     done
     fail "'$1' is not said in $2: $(cat "$2")"
 }
-ends() { # STATUS NAME PROCESS
+ends() { # STATUS NAME PROCESS: fails if the process ends with another status
     local status=0
     wait "$3" || status=$?
     [ $status -eq "$1" ] || fail "$2 ends with $status instead of $1: $(cat "$2")"
 }
-shows() { # NAME CODE...: broadcasts what these machines show; sets process and watching
+shows() { # NAME CODE...: starts a broadcast of a match that these codes show; sets process, and watching to the code of the broadcast
     local name=$1
     shift
     begin "$name" "$lockstone" broadcast "$@" --key "$name.key" --new-key --port 0 --address 127.0.0.1
@@ -35,7 +36,7 @@ shows() { # NAME CODE...: broadcasts what these machines show; sets process and 
     said 'to watch: lockstone-demo --watch' "$name"
     watching=$words process=$broadcasts
 }
-watches() { # NAME: sets process
+watches() { # NAME: starts a demo that watches the broadcast $watching; sets process
     begin "$1" "$demo" --watch "$watching" "${view[@]}" --frames "$1-frames" --record "$1.lsr"
 }
 last_hash() { sed -n 's/.* ticks confirmed, hash \([0-9a-f ]*\),.*/\1/p' "$1"; }
@@ -58,7 +59,7 @@ for each in 1 2 3; do
     watches w$each
     watchers[each]=$process
 done
-# The planted twin: shown by the host alone, nobody sees the end.
+# Planted fault: this broadcast has the host as its only source, so its watcher does not see the end.
 said 'to watch: lockstone-demo --watch' a 2
 shows e "$words"
 watches v
@@ -79,10 +80,10 @@ ends 0 d $broadcast
 grep -q "^showed $ticks of $ticks ticks to at most 3 at one time" d || fail "the broadcast tells something else: $(cat d)"
 ends 2 v $alone
 grep -q 'the host has said nothing for twenty seconds' v || fail "who is shown the host alone is told something else: $(cat v)"
-expect 0 verify v.lsr # what it saw up to there
+expect 0 verify v.lsr # the recording of the ticks that the watcher saw
 echo "broadcast: $(tail -n 1 d)"
 
-refused() { # WORDS ARGUMENT...: status 2, one sentence
+refused() { # WORDS ARGUMENT...: checks for status 2 and one error sentence that contains WORDS
     local words=$1 status=0
     shift
     "$lockstone" broadcast "$@" --port 0 >out 2>err || status=$?

@@ -1,25 +1,25 @@
 #!/usr/bin/env bash
-# demo_figures.sh LOCKSTONE DEMO: four pictures of a recording of two-blocks; a sentence for one without the four moments.
+# demo_figures.sh LOCKSTONE DEMO: the demo draws four pictures from a recording of two-blocks; other recordings end with an error sentence.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1 demo=$2
 own_folder
 unset DISPLAY WAYLAND_DISPLAY
 
-# figures STATUS SOURCE [ARGUMENT...]
+# figures STATUS SOURCE [ARGUMENT...]: runs the demo with --figures and fails if it ends with another status
 figures() {
     local wanted=$1 status=0
     shift
     "$demo" "$@" --figures --offscreen --width 160 --height 90 --frames pictures >out 2>err || status=$?
     [ "$status" -eq "$wanted" ] || fail "'$* --figures' ends with $status instead of $wanted: $(cat out err)"
 }
-# refused SENTENCE SOURCE
+# refused SENTENCE SOURCE: checks for status 2, an error that contains SENTENCE, and no pictures
 refused() {
     figures 2 "$2"
     grep -q "$1" err || fail "about $2 this is not said: $1, but: $(cat err)"
     [ ! -e pictures ] || fail "$2 is refused, and yet drawn"
 }
-# recorded NAME SCENE [ARGUMENT...]
+# recorded NAME SCENE [ARGUMENT...]: records the scene in NAME.lsr
 recorded() { expect 0 run "${@:2}" --record "$1.lsr"; }
 
 recorded whole two-blocks --ticks 300

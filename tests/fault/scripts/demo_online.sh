@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# demo_online.sh LOCKSTONE DEMO: demos play each other over UDP, with bots at the controls: equal hashes, recordings that verify. A world that is made
-# to differ is told, and each thing that can go wrong has its sentence.
+# demo_online.sh LOCKSTONE DEMO: demos play each other over UDP, controlled by bots: their hashes are equal and their recordings verify. A planted
+# difference of the worlds is reported, and each error has its own sentence.
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 source "$here/cli.sh"
@@ -11,10 +11,10 @@ children=()
 trap 'kill "${children[@]}" 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
 cd "$work"
 unset DISPLAY WAYLAND_DISPLAY
-patience=$((ticks / 60 + 110)) # [s], on a machine that does something else
+patience=$((ticks / 60 + 110)) # [s], long enough for a busy machine
 view=(--offscreen --script --width 640 --height 400 --frame-every 300)
 
-# wait_for WORDS FILE PROCESS
+# wait_for WORDS FILE PROCESS: returns when FILE contains WORDS; fails after 30 s, or when the process has ended
 wait_for() {
     for _ in $(seq 300); do
         grep -q "$1" "$2" && return
@@ -23,7 +23,7 @@ wait_for() {
     done
     fail "'$1' is not said in $2: $(tail -n 20 [a-z] 2>/dev/null)"
 }
-# host NAME ARGUMENT...: in the background; sets hosted, its process, and invitation.
+# host NAME ARGUMENT...: starts a demo that hosts a match in the background; sets hosted, its process, and invitation.
 host() {
     local name=$1
     shift
@@ -32,23 +32,23 @@ host() {
     wait_for '^to join' "$name" $hosted
     invitation=$(sed -n 's/^to join: lockstone-demo --join //p' "$name")
 }
-# join NAME ARGUMENT...: in the background; sets joined.
+# join NAME ARGUMENT...: starts a demo that joins by the invitation in the background; sets joined, its process.
 join() {
     local name=$1
     shift
     begin "$name" "$demo" --join "$invitation" "$@" "${view[@]}" --frames "$name-frames" --record "$name.lsr"
     joined=$process
 }
-# ends STATUS NAME PROCESS
+# ends STATUS NAME PROCESS: fails if the process ends with another status
 ends() {
     local status=0
     wait "$3" || status=$?
     [ $status -eq "$1" ] || fail "$2 ends with $status instead of $1: $(cat "$2")"
 }
 last_hash() { sed -n 's/.* ticks confirmed, hash \([0-9a-f ]*\),.*/\1/p' "$1"; }
-# agree NAME NAME: whether both have confirmed the same, in all ticks.
+# agree NAME NAME: succeeds if both have confirmed the same hash and their recordings are equal.
 agree() { [ -n "$(last_hash "$1")" ] && [ "$(last_hash "$1")" = "$(last_hash "$2")" ] && cmp -s "$1.lsr" "$2.lsr"; }
-# through_slow_way: what follows joins over 40 to 60 ms of way.
+# through_slow_way: changes the invitation, so that later joins go through a proxy that delays packets by 40 to 60 ms each way.
 through_slow_way() {
     local port=${invitation%#*}
     port=${port##*:}
@@ -58,7 +58,7 @@ through_slow_way() {
     invitation=${invitation/:$port#/:$(cat way)#}
 }
 
-# Two machines, three players: the third is a bot. The one who joins is 40 to 60 ms away.
+# Two machines, three players: the third player is a bot. The joining machine has a delay of 40 to 60 ms each way.
 host a rollback-arena --players 3 --ticks "$ticks"
 through_slow_way
 join b
@@ -71,7 +71,7 @@ expect 0 verify a.lsr b.lsr
 rollbacks=$(sed -n 's/.*, \([0-9]*\) rollbacks.*/\1/p' b)
 [ "$rollbacks" -gt 0 ] || fail "nothing was rolled back in spite of the way: $(cat b)"
 echo "two machines: $(grep confirmed b)"
-# The planted twin of the comparison: another hash, another recording.
+# Planted faults of the comparison: another hash, and another recording.
 sed 's/hash [0-9a-f]*/hash 0000/' b >c
 cp b.lsr c.lsr
 ! agree a c || fail "another hash agrees"
@@ -79,7 +79,7 @@ cp b c
 flip c.lsr 100
 ! agree a c || fail "another recording agrees"
 
-# Three machines, four cars, and somebody who watches; the smallest pictures, and only the last of them.
+# Three machines, four cars, and a watcher. The demos draw the smallest pictures, and only the last of them.
 large=("${view[@]}")
 view=(--offscreen --script --width 64 --height 64 --frame-every 100000)
 host a cars --machines 3 --players 4 --ticks "$ticks"
@@ -101,7 +101,7 @@ grep -q "$ticks of $ticks ticks bit-exact" w || fail "what was watched is not ve
 echo "three machines: $(grep confirmed c)"
 view=("${large[@]}")
 
-# The planted twin: a world that is made to differ is told at both machines, by tick, column and row, and nothing is called good.
+# Planted fault: the world of one machine is changed. Both machines must print tick, column and row, and must not report the match as bit-exact.
 host a rollback-arena --ticks 300
 join b --plant 60
 ends 1 a $hosted
@@ -111,13 +111,13 @@ for each in a b; do
     ! grep -q 'bit-exact' $each || fail "a match with a desync is called bit-exact: $(cat $each)"
     grep -Eq '^  tick 60: lower half of the hash [0-9a-f]{8} against [0-9a-f]{8}, inputs' $each || fail "the ticks are not told: $(cat $each)"
 done
-# Both have written down what they played: the one agrees with the rules, the other with itself only.
+# Each machine has recorded its own match. The host's recording verifies; the recording of the changed machine differs from tick 60 on.
 expect 0 verify a.lsr
 expect 1 verify b.lsr
 grep -q 'tick 60' out || fail "the planted tick is not the first that is wrong: $(cat out)"
 echo "planted: $(tail -n 1 b)"
 
-# refused STATUS WORDS ARGUMENT...: one sentence.
+# refused STATUS WORDS ARGUMENT...: checks for the status and one error sentence that contains WORDS.
 refused() {
     local wanted=$1 words=$2 status=0
     shift 2
@@ -138,7 +138,8 @@ host a rollback-arena --ticks 3000
 refused 2 'refuses the code ABCDEFGH: the lobby knows no such code' --join "ABCDEFGH@${invitation#*@}"
 refused 2 'the host plays rollback-arena, and this machine was asked to play cars' cars --join "$invitation"
 refused 2 'all players of this code are there already' --join "$invitation"
-# A relay that ends while players wait in its lobby: they say so after ten seconds of silence, not when the room would close. While it runs, nothing is said.
+# The relay ends while the host waits in its lobby: the host ends with an error after ten seconds without an answer, before the room would close.
+# While the relay runs, the host keeps waiting, also longer than ten seconds.
 begin relay "$lockstone" relay --key relay.key --new-key --port 0 --address 127.0.0.1
 relay=$process
 wait_for '^port' relay $relay

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# demo_recordings.sh LOCKSTONE DEMO: a signal ends what the demo records properly, and what a crash left of a recording is shown.
+# demo_recordings.sh LOCKSTONE DEMO: a recording that a signal ends is complete, and the demo plays the incomplete recording of a crash.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1 demo=$2
@@ -7,12 +7,12 @@ samples=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../../tools/cook/samples" && pwd
 own_folder
 unset DISPLAY WAYLAND_DISPLAY
 
-# record FILE SIGNAL: the demo plays until the file has grown, and is sent the signal. Its status is that of the signal.
+# record FILE SIGNAL: starts the demo, sends it the signal when the file has 12,000 bytes, and checks that the signal ends the demo.
 record() {
     python3 - "$demo" "$1" "$2" <<'PYTHON'
 import os, signal, subprocess, sys, time
 demo, path, number = sys.argv[1], sys.argv[2], getattr(signal, "SIG" + sys.argv[3])
-signal.signal(signal.SIGINT, signal.SIG_DFL)  # this shell may ignore Ctrl-C
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # the shell may have set SIGINT to be ignored
 run = subprocess.Popen([demo, "stack", "--offscreen", "--script", "--ticks", "1000000", "--frame-every", "1000000", "--record", path],
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 end = time.time() + 60
@@ -23,7 +23,7 @@ run.send_signal(number)
 sys.exit(0 if run.wait(60) == -number else f"the demo ends with {run.returncode}")
 PYTHON
 }
-# shows STATUS FILE: the demo plays the recording.
+# shows STATUS FILE: plays the recording with the demo and fails if the demo ends with another status.
 shows() {
     local status=0
     "$demo" "$2" --offscreen --script --frame-every 1000000 >out 2>err || status=$?
@@ -37,7 +37,7 @@ done
 shows 0 TERM.lsr
 ! grep -q incomplete out err || fail "a whole recording is called incomplete"
 
-# The planted twin of a signal: a crash leaves no end, and both notice.
+# Counter-check: a killed demo leaves an incomplete recording, and both the command line and the demo report it.
 record killed.lsr KILL || fail "a killed demo ends otherwise"
 expect 2 verify killed.lsr
 shows 0 killed.lsr
@@ -49,8 +49,8 @@ cp whole.lsr damaged.lsr
 flip damaged.lsr $(($(stat -c %s damaged.lsr) / 2))
 shows 2 damaged.lsr
 
-# What is read is not written over, by whatever name, and what cannot be written is told before anything is played.
-keeps() { # WORDS FILE ARGUMENT...: status 2, and the file is as it was
+# The demo does not write to a file that it reads, under any of the file's names. If it cannot write a recording, it ends before it plays.
+keeps() { # WORDS FILE ARGUMENT...: checks for status 2, an error that contains WORDS, and an unchanged file
     local words=$1 file=$2 before status=0
     before=$(sha256sum "$2")
     shift 2

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A bad network between two TUN devices, in the words of `tc netem`, for kernels without it.
+"""A bad network between two TUN devices, with the words of `tc netem`, for kernels without netem.
 
   tun_way.py DEVICE DEVICE [delay MS [JITTER]] [loss P%] [duplicate P%] [reorder P% [CORRELATION%]] [rate N kbit]
 
-Makes both devices, says "ready", and carries IPv4 packets from each to the other until it is ended; then it prints what it did to them.
-The devices may be moved into network namespaces meanwhile. As in netem: jitter is even, to both sides; what is reordered goes at once,
-what is not waits; a rate is that of each direction, with room for 1000 packets."""
+Creates both devices, prints "ready", and carries IPv4 packets from each device to the other until SIGTERM; then it prints counts of packets.
+The devices may be moved into network namespaces meanwhile. As in netem, jitter is uniform, to both sides of the delay; a reordered packet is
+sent at once and the others are delayed; a rate applies to each direction, whose queue has room for 1000 packets."""
 import fcntl
 import heapq
 import os
@@ -21,12 +21,12 @@ ROOM = 1000
 
 
 def number(word):
-    """20ms, 5%, 64kbit: in the unit of the word."""
+    """Returns the number in a word such as 20ms, 5% or 64kbit, in the unit of the word."""
     return float(word.rstrip("ms%kbit"))
 
 
 def words_of(arguments):
-    """What follows each word, as numbers."""
+    """Returns {word: the numbers that follow it}."""
     found, name = {}, None
     for word in arguments:
         if word in ("delay", "loss", "duplicate", "reorder", "rate"):
@@ -46,7 +46,7 @@ def device(name):
 
 
 class Chance:
-    """Of so many in a hundred, each like the one before to so many in a hundred (netem's get_crandom)."""
+    """An event with a probability [%]. The correlation [%] is the share of the previous random value in the next (netem's get_crandom)."""
 
     def __init__(self, percent, correlation=0.0):
         self.bound, self.same, self.last = percent / 100, correlation / 100, random.random()
@@ -57,7 +57,7 @@ class Chance:
 
 
 class Way:
-    """One direction. `count` is shared by both."""
+    """One direction. Both directions share `count`."""
 
     def __init__(self, words, leaves, count):
         delay = words.get("delay", [0])

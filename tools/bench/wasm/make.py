@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Builds module.cpp as the WebAssembly module that bench.mjs loads, and prints its path. Compiler, packages and flags are those of
-tests/matrix.
+"""Builds module.cpp as the WebAssembly module that bench.mjs loads, and prints its path. Compiler and packages are those of tests/matrix;
+the flags are those of tests/matrix and more.
 
-  tools/bench/wasm/make.py [FLAG...]     FLAG: after those that it has, to try others"""
+  tools/bench/wasm/make.py [FLAG...]     FLAG: a further compiler flag, after the default flags"""
 import os
 import subprocess
 import sys

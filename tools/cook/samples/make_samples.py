@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the sample models beside it: make_samples.py [FOLDER]. Metres, y up, each a closed surface but the hill.
+"""Writes the sample models: make_samples.py [FOLDER], by default into the folder of this script. Units are metres, and y is up.
+Each surface except the hill is closed.
 bracket.fbx is the bracket as assimp exports it; this script does not write it."""
 import base64
 import json
@@ -55,7 +56,7 @@ def chair():
 
 
 def hill():
-    """20 x 20 m in cells of 1 m, seen from above without gaps."""
+    """A surface of 20 x 20 m with cells of 1 m. It has no gaps when seen from above."""
     side = 21
     points = [[x, 2.5 * math.exp(-((x - 10) ** 2 + (z - 10) ** 2) / 30) + 0.3 * math.sin(x) * math.cos(0.7 * z), z]
               for z in range(side) for x in range(side)]
