@@ -147,7 +147,7 @@ Status Parser::check_order(const Chunk& chunk) const {
         if (!chunk.skippable)
             return Error{"this reader does not know the type, and it is not marked skippable"};
         if (chunks_seen == 0) return Error{"HEAD must come first"};
-        if (index_offset != 0) return Error{"nothing but END. may follow INDX"};
+        if (index_offset != 0) return Error{"after INDX only END. may follow"};
         return {};
     }
     if (chunk.skippable) return Error{"it is marked skippable, which this type never is"};
@@ -161,7 +161,7 @@ Status Parser::check_order(const Chunk& chunk) const {
         if (chunk.type == opening[chunks_seen]) return {};
         return Error{join(chunk_name(opening[chunks_seen]), " must come before it")};
     }
-    if (index_offset != 0 && chunk.type != chunk_end) return Error{"nothing but END. may follow INDX"};
+    if (index_offset != 0 && chunk.type != chunk_end) return Error{"after INDX only END. may follow"};
     if (index_offset == 0 && chunk.type == chunk_end) return Error{"INDX must come before it"};
     if (chunk.type == chunk_head || chunk.type == chunk_schema || chunk.type == chunk_world_def)
         return Error{"there is one already"};
@@ -267,7 +267,7 @@ void Parser::read_ticks(ByteReader& in, const Chunk& chunk) {
 void Parser::read_index(ByteReader& in) {
     const std::uint32_t count = in.u32("number of entries");
     if (in.ok() && count != index.size())
-        in.fail(join("it has ", count, " entries, but ", index.size(), " chunks stand before it"));
+        in.fail(join("it has ", count, " entries, but ", index.size(), " chunks precede it"));
     for (std::size_t i = 0; in.ok() && i < index.size(); ++i) {
         IndexEntry entry{};
         entry.type = in.u32("entry's type");

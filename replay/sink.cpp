@@ -56,7 +56,7 @@ std::string FileSink::find_change() const {
         return "the file was replaced by another while it was written";
     if (static_cast<std::uint64_t>(ours.st_size) != size)
         return base::join("the file has ", ours.st_size, " bytes where ", size,
-                          " were written: somebody else changed it");
+                          " were written: another program changed it");
     return {};
 }
 

@@ -203,7 +203,7 @@ Result<std::vector<ConnectToken>> make_tokens(const MatchPlan& plan) {
     if (plan.second_relay.port != 0 && (plan.relay.port == 0 || plan.second_relay == plan.relay))
         return Error{"a second relay needs a first one, at another address"};
     if (plan.relay.port != 0 && plan.relay_expires_ms == 0)
-        return Error{"relay_expires_ms is 0: the relay would let nobody in"};
+        return Error{"relay_expires_ms is 0: the relay would reject every player"};
     ConnectToken all;
     all.match_id = plan.match_id, all.expires_ms = plan.expires_ms;
     all.players = static_cast<std::uint32_t>(players), all.relay = plan.relay;

@@ -79,7 +79,7 @@ class Check {
         return false;
     }
     void count() { ++result.compared; }
-    ProofCheck finish(std::string nothing = "nothing to compare") && {
+    ProofCheck finish(std::string nothing = "the check compared no states") && {
         if (result.passed && result.compared == 0) result.sentence = std::move(nothing);
         return std::move(result);
     }

@@ -71,7 +71,7 @@ Result<std::unique_ptr<Session>> make_join_session(const SessionDef& def, const 
     if (join.life == 0 || join.life >> 24 != 0)
         return Error{base::join("join: life is ", join.life, ", expected 1 to 16777215")};
     if (std::ranges::all_of(def.players, [&](PeerId peer) { return peer == def.self; }))
-        return Error{"join: all players play here, so nobody has the match"};
+        return Error{"join: all players are local, so no other machine has the match"};
     WatchDef watch;
     watch.hosts = {def.self};
     watch.ticks_per_frame = join.ticks_per_frame;

@@ -241,7 +241,7 @@ void PeerSession::agree_on_cut(std::uint32_t player) {
 
 void PeerSession::stop_without_cut(std::uint32_t player, const PeerLink& link, std::uint64_t here) {
     stop(base::join("machine ", link.peer + 1, " says that player ", player + 1, " left at tick ",
-                    link.cut[player], ", this machine has run it up to tick ", here, " for good"));
+                    link.cut[player], ", but this machine has confirmed it up to tick ", here));
 }
 
 void PeerSession::stop(std::string reason) {

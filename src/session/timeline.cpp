@@ -206,8 +206,8 @@ TimelineHost::TimelineHost(const SessionDef& session_def, TimelineDef how)
 
 void TimelineHost::add(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
     if (!std::exchange(has_begun, true)) first = log_first = tick;
-    LOCKSTONE_ASSERT(tick == log_end(), "confirmed ticks are shown one after the other: tick ", tick,
-                     " after ", log_end());
+    LOCKSTONE_ASSERT(tick == log_end(), "confirmed ticks are added in order: tick ", tick, " after ",
+                     log_end());
     hashes[tick % history_ticks] = hash;
     make_room();
     base::ByteWriter out(log);

@@ -63,7 +63,7 @@ TEST_CASE("net: a token names two relays with a key and a pass for each, and the
     MatchPlan timeless = plan;
     timeless.relay_expires_ms = 0;
     REQUIRE_FALSE(make_tokens(timeless));
-    CHECK(make_tokens(timeless).error().message == "relay_expires_ms is 0: the relay would let nobody in");
+    CHECK(make_tokens(timeless).error().message == "relay_expires_ms is 0: the relay would reject every player");
     const ConnectToken token = make_tokens(plan).value()[3];
     const Packet sealed = seal_token(token, key);
     CHECK(sealed.size() <= 1138); // the space in a lobby's answer

@@ -366,7 +366,9 @@ std::optional<Notice> SpectatorSession::next_notice() {
     return first_one;
 }
 
-Status SpectatorSession::drop_peer(PeerId) { return Error{"drop_peer: who watches has no say in who plays"}; }
+Status SpectatorSession::drop_peer(PeerId) {
+    return Error{"drop_peer: a spectator cannot remove a machine from the match"};
+}
 
 PeerQuality SpectatorSession::quality(PeerId peer) const {
     if (std::ranges::find(hosts, peer, &Host::peer) == hosts.end()) return {};
@@ -430,7 +432,7 @@ Status check_watch(const SessionDef& def, const WatchDef& watch) {
     if (def.players.empty() || def.players.size() > players_max || def.input_size > input_bytes_max)
         return Error{base::join("spectator: ", def.players.size(), " players with inputs of ", def.input_size,
                                 " bytes")};
-    if (watch.hosts.empty()) return Error{"spectator: nobody to watch (hosts)"};
+    if (watch.hosts.empty()) return Error{"spectator: hosts is empty"};
     if (watch.state_bytes_max == 0 || watch.state_bytes_max > state_bytes_limit)
         return Error{base::join("spectator: state_bytes_max is ", watch.state_bytes_max, ", expected 1 to ",
                                 state_bytes_limit)};

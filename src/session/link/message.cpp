@@ -227,7 +227,7 @@ void read_departures(base::ByteReader& in, const PacketContext& context, Message
     out.has_cut = in.u16("players with a cut");
     if ((out.unwanted | out.gone) == 0) return in.fail("no departure");
     if ((out.unwanted | out.gone) >> context.player_count != 0) return in.fail("no such player");
-    if ((out.has_cut & ~out.gone) != 0) return in.fail("a cut of a player who has not left");
+    if ((out.has_cut & ~out.gone) != 0) return in.fail("a last tick of a player that has not left");
     for (std::uint32_t p = 0; p < context.player_count; ++p)
         if ((out.has_cut >> p & 1u) != 0) out.cut[p] = in.u32("cut");
     for (std::uint32_t p = 0; p < context.player_count; ++p) {

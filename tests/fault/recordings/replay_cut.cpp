@@ -105,8 +105,8 @@ TEST_CASE("a file that is removed, replaced or changed while it is written is no
         fs::remove(path);
         std::ofstream(path) << "another";
     }));
-    CHECK(told("somebody else changed it",
+    CHECK(told("another program changed it",
                [](const std::string& path) { std::ofstream(path, std::ios::app) << "more"; }));
-    CHECK(told("somebody else changed it", [](const std::string& path) { fs::resize_file(path, 10); }));
+    CHECK(told("another program changed it", [](const std::string& path) { fs::resize_file(path, 10); }));
     CHECK(!told("", [](const std::string&) {})); // negative control: an unchanged file
 }
