@@ -19,8 +19,8 @@ std::string scene_list() {
         name.resize(std::max<std::size_t>(name.size() + 2, 18), ' ');
         list += "  " + name + std::string(info.sentence) + "\n";
     }
-    return list + "\nKeys are listed in the window with F1. Without a display pictures go to a folder.\n"
-                  "Exit status: 0 all ticks bit-exact, 1 a tick differs, 2 bad usage or bad input.";
+    return list + "\nF1 lists the keys in the window. Without a display the demo writes pictures into a "
+                  "folder.\nExit status: 0 all ticks bit-exact, 1 a tick differs, 2 bad usage or bad input.";
 }
 
 /// Accepts only digits: the parser's own conversion accepts -1 as the largest number.
@@ -36,69 +36,72 @@ CLI::Validator whole_number(std::uint64_t most) {
 
 void add_options(CLI::App& app, Options& options) {
     app.add_option("source", options.source,
-                   "a scene, or a replay file (.lsr); default rollback-arena, of --compare two-blocks");
+                   "a scene or a replay file (.lsr); default rollback-arena, with --compare two-blocks");
     app.add_option("--asset", options.asset_file,
-                   "show an asset that `lockstone cook` made, instead of a scene");
-    app.add_option("--size", options.scene.size, "size of the scene, see `lockstone scenes`")
+                   "asset file of `lockstone cook` to show instead of a scene");
+    app.add_option("--size", options.scene.size,
+                   "size of the scene: the number of objects that `lockstone scenes` names")
         ->check(whole_number(UINT32_MAX));
     app.add_option("--seed", options.scene.seed, "seed of the scene and of scripted players")
         ->check(whole_number(UINT64_MAX));
     app.add_option("--players", options.scene.players,
-                   "number of players; default: one where anybody can play, more where a scene wants more, "
-                   "two in netplay")
+                   "number of players; default: the scene's own number, but at least 1, 2 with --netplay, or "
+                   "one for each machine with --host, if the scene can have them")
         ->check(whole_number(UINT32_MAX));
-    app.add_option("--ticks", options.ticks, "how long to play [ticks]; of a replay: how far")
+    app.add_option("--ticks", options.ticks,
+                   "number of ticks to play, of a scene or of a replay from its start")
         ->check(CLI::Range(1, 1'000'000));
     app.add_option("--input", options.input_file,
                    "play the inputs of this file: text as for `lockstone run`, or a replay");
-    app.add_option("--record", options.record_file, "write the replay to this file");
+    app.add_option("--record", options.record_file, "write a replay to this file");
     app.add_option("--frames", options.frames_folder, "write PNG pictures into this folder");
     app.add_option("--frame-every", options.frame_every, "ticks per picture, default 60")
         ->check(CLI::Range(1, 1'000'000));
-    app.add_option("--width", options.width, "of the picture [px]")->check(CLI::Range(64, 8192));
-    app.add_option("--height", options.height, "of the picture [px]")->check(CLI::Range(64, 8192));
+    app.add_option("--width", options.width, "width of the picture [px]")->check(CLI::Range(64, 8192));
+    app.add_option("--height", options.height, "height of the picture [px]")->check(CLI::Range(64, 8192));
     app.add_flag("--offscreen", options.offscreen, "draw into memory even if there is a display");
     app.add_flag("--compare", options.compare,
-                 "draw the scene as the thesis' engine has it, in outlines, over ours");
+                 "draw the same scene of the thesis' engine as outlines over Lockstone's");
     app.add_flag("--figures", options.figures,
-                 "of a recording of two-blocks: draw the four moments of the thesis' figures");
+                 "draw the four moments of the thesis' figures from a recording of two-blocks");
     app.add_flag("--netplay", options.netplay, "two rollback peers side by side over a simulated network");
-    app.add_option("--latency", options.latency_ms, "of netplay, one way [ms], default 80")
+    app.add_option("--latency", options.latency_ms, "one-way delay with --netplay [ms], default 80")
         ->check(CLI::Range(0, 400));
-    app.add_option("--loss", options.loss_percent, "of netplay [% of packets], default 5")
+    app.add_option("--loss", options.loss_percent, "lost packets with --netplay [%], default 5")
         ->check(CLI::Range(0, 60));
-    app.add_flag("--host", options.host,
-                 "open a match over UDP, and print what others have to start to join it");
-    const CLI::Validator given([](const std::string& text) { return text.empty() ? "nothing is given" : ""; },
-                               "");
-    app.add_option("--join", options.join, "enter a match by the host's CODE@ADDRESS:PORT#KEY")->check(given);
-    app.add_option("--watch", options.watch, "watch a match by the CODE@ADDRESS:PORT#KEY that its host shows")
+    app.add_flag("--host", options.host, "open a match over UDP and print the command that others join with");
+    const CLI::Validator given(
+        [](const std::string& text) { return text.empty() ? "the value is empty" : ""; }, "");
+    app.add_option("--join", options.join, "join a match by the CODE@ADDRESS:PORT#KEY that its host prints")
+        ->check(given);
+    app.add_option("--watch", options.watch,
+                   "watch a match by the CODE@ADDRESS:PORT#KEY that its host prints")
         ->check(given);
     app.add_option("--machines", options.machines,
-                   "of --host: how many play, default 2; bots have the other players")
+                   "number of machines with --host, default 2; bots control the other players")
         ->check(CLI::Range(2, 4));
     app.add_option("--relay", options.relay,
-                   "of --host: ADDRESS:PORT#KEY of a `lockstone relay`; default: the host starts one")
+                   "ADDRESS:PORT#KEY of a `lockstone relay` for --host; default: the host starts a relay")
         ->check(given);
-    app.add_option("--port", options.port, "of the relay that --host starts [UDP port], default any")
+    app.add_option("--port", options.port, "UDP port of the relay that --host starts, default any free port")
         ->check(CLI::Range(0, 65535));
     app.add_option("--plant", options.plant,
-                   "of --host and --join: at this tick let this machine's world differ, to see it told")
+                   "with --host or --join: change this machine's world at this tick, to see the report")
         ->check(whole_number(UINT64_MAX));
-    app.add_option("--show", options.show, "switch on, separated by commas")
+    app.add_option("--show", options.show, "displays to switch on, separated by commas")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->check(CLI::IsMember({"wireframe", "contacts", "bounds", "joints", "help"}));
-    app.add_flag("--script", options.script, "nobody plays; ends by itself");
+    app.add_flag("--script", options.script, "scripts control all players; ends after the last tick");
 }
 
 /// Checks combinations of options, which CLI11 cannot check. Returns an empty text if they fit together.
 std::string contradiction(const Options& options) {
     const int online = options.host + !options.join.empty() + !options.watch.empty();
     if (options.netplay + options.compare + options.figures + online > 1)
-        return "of --netplay, --compare, --figures, --host, --join and --watch only one can be shown";
+        return "only one can be shown of --netplay, --compare, --figures, --host, --join and --watch";
     if (options.online() && !options.input_file.empty())
-        return "a match over UDP takes no --input: people and bots play";
+        return "a match over UDP reads no input file: leave --input out";
     if (options.online() && !options.asset_file.empty())
         return "a match over UDP needs a scene, not an asset";
     if (options.online() && options.source_is_file())
@@ -106,13 +109,13 @@ std::string contradiction(const Options& options) {
     if (!options.host && (!options.relay.empty() || options.port != 0))
         return "--relay and --port go with --host";
     if (!options.relay.empty() && options.port != 0)
-        return "--port is of a relay that --host starts: leave it or --relay out";
+        return "--port is for the relay that --host starts: leave --port or --relay out";
     if (options.plant && !options.host && options.join.empty()) return "--plant goes with --host or --join";
     if (!options.asset_file.empty() && options.netplay) return "--netplay needs a scene, not an asset";
     if (options.compare && !options.record_file.empty())
         return "--compare records nothing: leave --record out";
     if (options.compare && !options.input_file.empty())
-        return "--compare plays the script: leave --input out";
+        return "--compare uses scripted inputs: leave --input out";
     if (options.figures && !options.source_is_file()) return "--figures needs a replay file";
     if (!options.source_is_file()) return {};
     if (options.netplay || options.compare)
@@ -165,8 +168,7 @@ std::variant<Options, int> parse_options(int argc, char** argv) {
     try {
         app.parse(argc, argv);
         if (!options.asset_file.empty() && app.count("source") != 0)
-            throw CLI::ValidationError("--asset takes the place of a scene: leave " + options.source +
-                                       " out");
+            throw CLI::ValidationError("--asset replaces the scene: leave " + options.source + " out");
     } catch (const CLI::CallForHelp&) {
         std::printf("%s", app.help().c_str());
         return 0;

@@ -470,7 +470,7 @@ planted_machine_is_found() {
     local report status=0
     report=$(build/release/bin/lockstone match --chaos --plant --seeds 1..8 --ticks 200) || status=$?
     echo "$report"
-    [ "$status" -eq 1 ] && [ "$(grep -c 'still fails so: lockstone match' <<<"$report")" -eq 8 ] &&
+    [ "$status" -eq 1 ] && [ "$(grep -c 'still fails with: lockstone match' <<<"$report")" -eq 8 ] &&
         [ "$(grep -c 'column body.velocity, row 0' <<<"$report")" -ge 8 ] &&
         [ "$(grep -c 'run again, the tick comes out differently' <<<"$report")" -ge 8 ] && ! grep -q 'ticks of . peers agree' <<<"$report"
 }

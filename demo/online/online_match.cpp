@@ -65,7 +65,7 @@ Status OnlineMatch::begin_meeting(const Options& options) {
         if (!given) return given.error();
         invitation = *given;
         if (options.host && !invitation.code.empty())
-            return Error{"--relay takes no code: to enter a match, use --join " + word};
+            return Error{"--relay takes no code: to join a match, use --join " + word};
         if (!options.host && invitation.code.empty())
             return Error{(watches_ ? "--watch" : "--join") + std::string(" needs the code too: CODE@") +
                          word};
@@ -188,8 +188,8 @@ void OnlineMatch::watch(std::uint64_t now_ms) {
     if (ticks != ticks_seen_ || progress_ms_ == 0) ticks_seen_ = ticks, progress_ms_ = now_ms;
     settle_when_done(log_.complete());
     if (phase_ == Phase::playing && now_ms - progress_ms_ > host_patience_ms)
-        fail("the host has said nothing for twenty seconds: after tick " + number(ticks) + " of " +
-             number(card_.ticks) + " there is nothing to watch");
+        fail("the host has sent nothing for 20 seconds: only " + number(ticks) + " of " +
+             number(card_.ticks) + " ticks arrived");
 }
 
 void OnlineMatch::settle_when_done(bool confirmed) {
@@ -236,12 +236,12 @@ void OnlineMatch::read_notices() {
     if (desync_tick_ && told_.empty() && phase_ != Phase::failed &&
         (watches_ || ++frames_since_desync_ > frames_of_inquiry))
         fail("the worlds differ from tick " + number(*desync_tick_) + " on" +
-             (watches_ ? "" : ", and the other machine does not say where"));
+             (watches_ ? "" : ", and the other machine does not report where"));
 }
 
 void OnlineMatch::take_notice(const Notice& notice) {
     if (const auto* came = std::get_if<PeerConnected>(&notice))
-        notices_.push_back(machine(came->peer) + " is there");
+        notices_.push_back(machine(came->peer) + " has joined");
     if (const auto* gone = std::get_if<PlayerDisconnected>(&notice))
         notices_.push_back("player " + number(gone->player + 1) + " has left at tick " + number(gone->tick));
     if (const auto* desync = std::get_if<Desync>(&notice)) {
@@ -251,7 +251,7 @@ void OnlineMatch::take_notice(const Notice& notice) {
     if (const auto* named = std::get_if<DesyncNamed>(&notice))
         told_ = in_words(*named->report), report_ = named->report;
     if (const auto* other = std::get_if<PeerIncompatible>(&notice))
-        fail(machine(other->peer) + " plays something else: " + other->reason);
+        fail(machine(other->peer) + " plays a different match: " + other->reason);
     if (const auto* stopped = std::get_if<MatchStopped>(&notice)) fail(stopped->reason);
 }
 
@@ -260,7 +260,7 @@ void OnlineMatch::take_notice(const Notice& notice) {
 std::string OnlineMatch::state() const {
     switch (phase_) {
     case Phase::meeting:
-        return invitation().code.empty() || host_ == false ? "asking the relay"
+        return invitation().code.empty() || host_ == false ? "contacting the relay"
                                                            : "waiting for the other players";
     case Phase::entering:
         return "waiting for the host";

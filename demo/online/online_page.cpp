@@ -119,7 +119,7 @@ void OnlinePage::tell_code() {
     std::printf("code %s\nto join: lockstone-demo --join %s\n", match_->invitation().code.c_str(),
                 word.c_str());
     if (match_->relay_is_ours())
-        std::printf("from another machine: with this one's address in place of 127.0.0.1\n");
+        std::printf("from another machine: replace 127.0.0.1 with the address of this machine\n");
     std::fflush(stdout);
 }
 
@@ -182,7 +182,7 @@ Result<std::unique_ptr<Page>> OnlinePage::next() {
 
 Verdict OnlinePage::verdict() const {
     if (!match_->error().empty()) return {match_->error(), false};
-    return {match_->desynced() ? "the worlds differ" : "the match had not begun: nothing was compared",
+    return {match_->desynced() ? "the worlds differ" : "the match had not begun: no tick was compared",
             false};
 }
 
@@ -259,11 +259,11 @@ void OnlinePage::add_session(TextPanel& panel) const {
                std::to_string(match_->last_depth()) + ", at most " + std::to_string(stats.depth_max));
     if (!match_->watches())
         panel.line("own input  " + std::to_string(match_->input_delay()) +
-                   " ticks later, so that others guess less");
+                   " ticks of delay, so that others predict less");
     panel.line("run again  " + std::to_string(stats.resimulated) + " ticks, " + std::to_string(stats.stalls) +
                " frames waited");
     if (!watch_code_.empty())
-        panel.line("watching   " + std::to_string(match_->watchers()) + ", the next by code " + watch_code_);
+        panel.line("watching   " + std::to_string(match_->watchers()) + ", code for the next " + watch_code_);
     if (!match_->notices().empty()) panel.line(match_->notices().back(), ink::amber);
 }
 
@@ -272,12 +272,12 @@ void OnlinePage::draw_invitation(Frame& frame, const Moment& moment) const {
     if (!match_->is_host() || match_->invitation().code.empty() || !match_->error().empty()) return;
     TextPanel panel(moment, {0, 0});
     panel.title("code " + match_->invitation().code);
-    panel.line("whoever joins starts, in one line (it stands on the terminal too):");
+    panel.line("to join, run this command in one line (the terminal shows it too):");
     panel.line("lockstone-demo --join", ink::white);
     panel.line(match_->invitation().code + "@" + to_string(match_->invitation().relay), ink::white);
     panel.line("#" + to_string(match_->invitation().key), ink::white);
     if (match_->relay_is_ours())
-        panel.line("from another machine: with this one's address in place of 127.0.0.1");
+        panel.line("from another machine: replace 127.0.0.1 with the address of this machine");
     panel.move_to(0.5f * (moment.size - panel.size()));
     panel.draw(frame);
 }
@@ -285,7 +285,7 @@ void OnlinePage::draw_invitation(Frame& frame, const Moment& moment) const {
 void OnlinePage::draw_error(Frame& frame, const Moment& moment) const {
     if (match_->error().empty()) return;
     TextPanel panel(moment, {0, 0});
-    panel.title(match_->desynced() ? "the worlds differ" : "the match cannot go on", ink::red);
+    panel.title(match_->desynced() ? "the worlds differ" : "the match cannot continue", ink::red);
     for (const std::string& line : in_lines(match_->error())) panel.line(line, ink::white);
     if (stage_.interactive) panel.line("Escape ends");
     panel.move_to({0.5f * (moment.size.x - panel.size().x), moment.size.y - panel.size().y - 40});

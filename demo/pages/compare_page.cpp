@@ -241,8 +241,8 @@ Verdict ComparePage::verdict() const {
     const auto first =
         std::find_if(distance_.begin(), distance_.end(), [](double metres) { return !(metres <= apart); });
     std::string sentence = both_.game().name() + ": after " + std::to_string(tick_count()) +
-                           " ticks ours and the thesis' engine are " + format_length(distance_.back()) +
-                           " apart where they are farthest; ";
+                           " ticks the largest distance between the two engines is " +
+                           format_length(distance_.back()) + "; ";
     sentence += first == distance_.end()
                     ? "never more than 1 cm until then"
                     : "more than 1 cm from tick " + std::to_string(first - distance_.begin()) + " on";

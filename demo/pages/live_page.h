@@ -27,7 +27,7 @@ class LivePage final : public Page {
     void control(const Input& input, const Moment& moment) override;
     std::vector<Frame> draw(const Moment& moment) override;
     Result<std::unique_ptr<Page>> next() override;
-    Verdict verdict() const override { return {"nothing was compared", false}; }
+    Verdict verdict() const override { return {"no tick was compared", false}; }
 
   private:
     LivePage(const Options& options, Stage& stage, std::unique_ptr<Game> game, World world,

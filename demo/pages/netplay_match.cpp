@@ -42,8 +42,8 @@ Result<std::unique_ptr<NetplayMatch>> NetplayMatch::create(const Options& option
     Result<std::unique_ptr<Game>> game = make_scene(options.source, options.scene);
     if (!game) return game.error();
     if ((*game)->player_count() < peer_count)
-        return Error{options.source +
-                     " has no players for two peers; --netplay needs one that has, like rollback-arena"};
+        return Error{options.source + " has too few players for two peers; --netplay needs a scene with two "
+                                      "players, such as rollback-arena"};
     std::unique_ptr<NetplayMatch> match(new NetplayMatch(options, std::move(*game), ticks));
     for (PeerId self = 0; self < peer_count; ++self)
         if (const Status status = match->add_peer(options, self); !status) return status.error();

@@ -68,13 +68,13 @@ void FigureFinder::after_parting(const Begun& begun) {
 
 std::string FigureFinder::complaint() const {
     const std::string within = " within " + std::to_string(time_) + " ticks";
-    if (stage_ == Stage::falling) return "nothing touches anything" + within;
+    if (stage_ == Stage::falling) return "no bodies touch" + within;
     if (stage_ == Stage::bounced) return "the blocks never meet" + within;
     if (second_landed_ || meeting_ == first_contact_)
         return "the blocks meet at tick " + std::to_string(meeting_) +
                ", but not while one has bounced off the ground and the other is in the air";
     if (stage_ == Stage::met) return "the blocks never fly apart" + within;
-    if (stage_ == Stage::apart) return "the blocks never meet the ground again, both of them," + within;
+    if (stage_ == Stage::apart) return "the blocks do not both meet the ground again" + within;
     return "";
 }
 

@@ -193,7 +193,8 @@ const auto as_it_is = [](World& world, const Command& command) { return world.ap
 
 } // namespace
 
-TEST_CASE("an extreme value in any field of any command is refused by name or leaves a good world") {
+TEST_CASE(
+    "a world rejects an extreme value in any field of any command and names the command or stays valid") {
     const Tally tally = try_all(as_it_is);
     MESSAGE(tally.tried, " commands, ", tally.refused, " refused");
     for (std::size_t i = 0; i < std::min<std::size_t>(tally.faults.size(), 20); ++i)
@@ -203,13 +204,14 @@ TEST_CASE("an extreme value in any field of any command is refused by name or le
     CHECK(tally.refused < tally.tried);
 }
 
-TEST_CASE("every kind of command is tried") {
+TEST_CASE("the stage for extreme values has every kind of command") {
     std::vector<bool> seen(std::variant_size_v<Command>, false);
     for (const Command& command : make_stage().commands) seen[command.index()] = true;
     CHECK(std::ranges::find(seen, false) == seen.end());
 }
 
-TEST_CASE("planted: commands that are taken without a check, or refused without a name, are noticed") {
+TEST_CASE("planted: the check finds a rejected command that changes the world and an error without the "
+          "command's name") {
     const Tally unchecked = try_all(
         [](World& world, const Command& command) {
             Result<World::Applied> result = world.apply(command);
@@ -231,7 +233,7 @@ TEST_CASE("planted: commands that are taken without a check, or refused without 
     CHECK(nameless.faults.size() == nameless.refused);
 }
 
-TEST_CASE("an extreme value in any field of a world's definition is refused or gives a world that ticks") {
+TEST_CASE("World::create rejects an extreme value in any field of a definition or makes a world that ticks") {
     // Capacities stay small: the greatest valid ones take gigabytes.
     const auto is_count = [](std::string_view name) {
         return name.ends_with("_max") && name != "push_speed_max";
@@ -270,7 +272,7 @@ TEST_CASE("an extreme value in any field of a world's definition is refused or g
     CHECK(refused < tried);
 }
 
-TEST_CASE("extreme questions are answered, and change nothing") {
+TEST_CASE("a world answers extreme queries and does not change") {
     Stage stage = make_stage();
     World& world = stage.world;
     const std::uint64_t hash = world.hash();
@@ -295,7 +297,8 @@ TEST_CASE("extreme questions are answered, and change nothing") {
     CHECK(world.hash() == hash);
 }
 
-TEST_CASE("extreme ragdolls, hulls, meshes and height fields are refused with a sentence or made") {
+TEST_CASE("the library rejects extreme ragdolls and hulls and meshes and height fields with a sentence or "
+          "makes them") {
     std::uint64_t refused = 0, taken = 0;
     for (const std::int64_t raw : extremes<Real>()) {
         World world = made(World::create(small_def()));
@@ -342,7 +345,7 @@ TEST_CASE("extreme ragdolls, hulls, meshes and height fields are refused with a 
     CHECK(taken > 20);
 }
 
-TEST_CASE("extreme sessions are refused with a sentence or made") {
+TEST_CASE("the session makers reject extreme definitions with a sentence or make a session") {
     SimulatedNetwork network(2, {}, 1);
     std::uint64_t refused = 0, taken = 0;
     const auto attempt = [&](const SessionDef& def) {

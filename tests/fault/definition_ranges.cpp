@@ -192,13 +192,13 @@ Tally try_all(const std::function<void(Command&)>& change = [](Command&) {}) {
 
 } // namespace
 
-TEST_CASE("every range of every definition is enforced, and the field is named") {
+TEST_CASE("the library enforces every range of every definition and its error names the field") {
     const Tally tally = try_all();
     for (const std::string& fault : tally.faults) FAIL_CHECK(fault);
     CHECK(tally.fields > 370);
 }
 
-TEST_CASE("planted: a range that nobody checks, and a sentence about another field, are noticed") {
+TEST_CASE("planted: the check finds a range that is not enforced and an error about another field") {
     const Tally unchecked = try_all([](Command& command) {
         if (auto* vehicle = std::get_if<CreateVehicle>(&command)) vehicle->def->wheel[3].preload = {};
     });

@@ -69,7 +69,7 @@ Real any_real(lockstone::Random& random) {
 
 } // namespace
 
-TEST_CASE("what is taken out of a temporary result outlives it") {
+TEST_CASE("a value that is taken out of a temporary Result outlives it") {
     using List = Result<std::vector<int>>;
     static_assert(std::is_same_v<decltype(std::declval<List>().value()), std::vector<int>>);
     static_assert(std::is_same_v<decltype(*std::declval<List>()), std::vector<int>>);
@@ -78,7 +78,7 @@ TEST_CASE("what is taken out of a temporary result outlives it") {
     CHECK(sum == 7);
 }
 
-TEST_CASE("misuse: reading a dead body's definition, mass or filter ends the program with a sentence") {
+TEST_CASE("misuse: a read of a dead body's definition or mass or filter ends the program with a sentence") {
     Given g;
     for (const BodyId b : {BodyId{}, g.dead, BodyId{~0u, ~0u}}) {
         stops("body", [&] { (void)g.w.body(b); });
@@ -88,7 +88,7 @@ TEST_CASE("misuse: reading a dead body's definition, mass or filter ends the pro
     }
 }
 
-TEST_CASE("misuse: questions that make no sense are answered with nothing, and change nothing") {
+TEST_CASE("misuse: a world answers senseless queries with an empty result and does not change") {
     Given g;
     World& w = g.w;
     const BodyId grounds[] = {w.create_body({.kind = BodyKind::static_}).value(),
@@ -144,8 +144,8 @@ TEST_CASE("misuse: questions that make no sense are answered with nothing, and c
     CHECK(w.hash() == hash);
 }
 
-TEST_CASE(
-    "misuse: what a world has not is refused: instruction sets, memory beyond limits, leftovers, blasts") {
+TEST_CASE("misuse: a world rejects unknown instruction sets and rows above limits and bad blasts and skips "
+          "bad leftovers") {
     Given g;
     World& w = g.w;
     const std::uint64_t hash = w.hash();
@@ -174,7 +174,7 @@ TEST_CASE(
     stops("an entry of the same name", [&] { (void)schema.add({"game.x", true, 4, {}}); });
 }
 
-TEST_CASE("misuse: a level that cannot be is refused, and the world is as it was") {
+TEST_CASE("misuse: a world rejects a level with a repeated key and does not change") {
     Given g;
     const std::uint64_t hash = g.w.hash();
     Level level;
@@ -184,7 +184,7 @@ TEST_CASE("misuse: a level that cannot be is refused, and the world is as it was
     CHECK(g.w.hash() == hash);
 }
 
-TEST_CASE("misuse: a geometry that is refused has no mass, no volume to speak of and no triangles") {
+TEST_CASE("misuse: a rejected geometry has zero mass and zero gyration and no triangles") {
     lockstone::Random random = lockstone::Random::seeded(11);
     const AssetLibrary none;
     int good = 0, bad = 0;
@@ -214,7 +214,7 @@ TEST_CASE("misuse: a geometry that is refused has no mass, no volume to speak of
     CHECK(validate(cone(1_r, Real::max())) != "");
 }
 
-TEST_CASE("misuse: masses of any numbers at all are put together without harm") {
+TEST_CASE("misuse: combined masses of arbitrary numbers have no negative mass and no negative radius") {
     lockstone::Random random = lockstone::Random::seeded(12);
     const auto any = [&] { return any_real(random); };
     const auto any_gyration = [&] { return I20F44::from_raw(any().raw); };
@@ -239,7 +239,7 @@ TEST_CASE("misuse: masses of any numbers at all are put together without harm") 
     CHECK(combine({}).mass == Real{});
 }
 
-TEST_CASE("misuse: a ragdoll's wrong arguments") {
+TEST_CASE("misuse: ragdoll functions reject wrong arguments and ignore ragdolls without live bodies") {
     Given g;
     const std::uint64_t hash = g.w.hash();
     for (const Real height : {Real{}, Real(-1), Real(4), Real::max()})
@@ -269,7 +269,7 @@ TEST_CASE("misuse: a ragdoll's wrong arguments") {
     CHECK(g.w.body_count() == 1);
 }
 
-TEST_CASE("misuse: vehicles that are made for nobody, or with no or too many wheels, are refused") {
+TEST_CASE("misuse: a world rejects vehicles without a live chassis and vehicles with no or too many wheels") {
     Given g;
     refused("chassis", status_of(g.w.create_vehicle(four_wheels({}, {0.8_r, 0_r, 1_r}))), "is not alive");
     CHECK(two_tracks(g.body, {0.8_r, 0_r, 1_r}, 0).wheel_count == 2); // clamped to 1 to 4 wheels a track
@@ -283,8 +283,8 @@ TEST_CASE("misuse: vehicles that are made for nobody, or with no or too many whe
     CHECK(validate(VehicleInput{.throttle = 2_r}).find("throttle") != std::string::npos);
 }
 
-TEST_CASE("misuse: a pool of no or too many workers, a link of nobody and a slot that was never kept end the "
-          "program") {
+TEST_CASE("misuse: a pool of no or too many workers and a link to a missing machine and an unsaved slot end "
+          "the program") {
     stops("no workers", [] { (void)make_worker_pool(0); });
     stops("too many", [] { (void)make_worker_pool(workers_max + 1); });
     SimulatedNetwork network(2, {}, 1);
@@ -305,8 +305,8 @@ TEST_CASE("misuse: a pool of no or too many workers, a link of nobody and a slot
     CHECK_FALSE(still.load_delta({}, {}).ok());
 }
 
-TEST_CASE(
-    "misuse: a proof of nothing is one of a tick, rolled back by one, with as many workers as there may be") {
+TEST_CASE("misuse: a proof of zero ticks and zero depth runs one tick and rolls back by one with the most "
+          "workers allowed") {
     const SmallGame game;
     const Result<Proof> proof = prove(game, {.ticks = 0, .depth = 0, .workers = ~0u, .bits_max = 10});
     REQUIRE(proof.ok());
@@ -314,7 +314,8 @@ TEST_CASE(
     CHECK(proof->checks.front().compared > 0);
 }
 
-TEST_CASE("misuse: verifying, branching, repairing and comparing with wrong arguments") {
+TEST_CASE("misuse: wrong arguments to verify and branch and record and diff give an error or end the program "
+          "or do no harm") {
     const SmallGame game;
     const replay::Recording inputs = must(read(record_inputs(30))), commands = must(read(record_commands(8)));
     CHECK(replay::verify(inputs, nullptr).verdict == replay::Verdict::unusable);
@@ -352,8 +353,7 @@ TEST_CASE("misuse: verifying, branching, repairing and comparing with wrong argu
     refused("no folder", status_of(replay::FileSink::create("/nowhere/at/all.lsr")), "/nowhere/at/all.lsr");
 }
 
-TEST_CASE(
-    "misuse: recorders that go on with what is not theirs, sinks that take nothing, times before the start") {
+TEST_CASE("misuse: a recorder of another mode or world and a full sink and a time before the start fail") {
     const SmallGame game;
     const replay::Recording commands = must(read(record_commands(8)));
     replay::MemorySink sink;
@@ -386,7 +386,7 @@ TEST_CASE(
     stops("a hash from before the start", [&] { (void)from_three.hash_at(2); });
 }
 
-TEST_CASE("misuse: names of values that are none are the word unknown") {
+TEST_CASE("misuse: the name of an invalid enum value is the word unknown") {
     CHECK(std::string_view(name_of(none_of<Integrator>)) == "unknown");
     CHECK(std::string_view(name_of(none_of<Stall>)) == "unknown");
     CHECK(std::string_view(name_of(none_of<PacketFault>)) == "unknown");

@@ -9,7 +9,7 @@
 using namespace lockstone;
 using namespace lockstone::test;
 
-TEST_CASE("misuse: joining, and states that are none") {
+TEST_CASE("misuse: sessions that join reject wrong definitions and a simulation rejects invalid states") {
     SimulatedNetwork network(2, {}, 1);
     SessionDef def;
     def.input_size = 1;

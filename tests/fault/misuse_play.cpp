@@ -23,7 +23,7 @@ struct NobodysInspector final : StateInspector {
 
 } // namespace
 
-TEST_CASE("misuse: a session's wrong arguments") {
+TEST_CASE("misuse: wrong arguments of a session give an error or end the program") {
     SimulatedNetwork network(2, {}, 1);
     SessionDef def;
     def.input_size = 1;
@@ -81,7 +81,7 @@ TEST_CASE("misuse: a session's wrong arguments") {
     stops("sync test, no player", [&] { sync->add_local_input(2, {}); });
 }
 
-TEST_CASE("misuse: a ragdoll's rotations are no quaternions of zeros") {
+TEST_CASE("misuse: ragdoll functions reject rotations that are zero quaternions") {
     World world = must(World::create({}));
     const auto zero = [](RagdollPart part) {
         RagdollPose pose = ragdoll_standing();
@@ -104,21 +104,21 @@ TEST_CASE("misuse: a ragdoll's rotations are no quaternions of zeros") {
               .ok()); // that part is ignored
 }
 
-TEST_CASE("misuse: half a hash is told as half, with all its digits") {
+TEST_CASE("misuse: a desync report marks half a hash as a half and prints all its digits") {
     DesyncReport report;
     report.log.push_back({7, 0x04e3e231, 0x1, {}});
     CHECK(log_text(report).find("tick 7: lower half of the hash 04e3e231 against 00000001,") !=
           std::string::npos);
 }
 
-TEST_CASE("misuse: a tick is not run aside from a state that was never saved") {
+TEST_CASE("misuse: a tick run aside from a state that was never saved ends the program") {
     const SmallGame game;
     World world = must(game.start());
     WorldSimulation simulation(world, game);
     stops("nothing saved", [&] { (void)simulation.run_aside(Image{}, {}); });
 }
 
-TEST_CASE("misuse: a recorder's wrong arguments are errors that say what was expected") {
+TEST_CASE("misuse: a recorder returns errors that name the expected value for wrong arguments") {
     const SmallGame game;
     replay::MemorySink sink, spare;
     World world = must(game.start());
@@ -160,7 +160,7 @@ TEST_CASE("misuse: a recorder's wrong arguments are errors that say what was exp
     });
 }
 
-TEST_CASE("misuse: a player's wrong arguments are errors, and it stays where it was") {
+TEST_CASE("misuse: a player returns errors for wrong arguments and stays at its tick") {
     const SmallGame game;
     const replay::Recording recording = must(read(record_inputs(30)));
     refused("no game", status_of(replay::Player::open(recording, nullptr)), "needs the game");
@@ -176,7 +176,7 @@ TEST_CASE("misuse: a player's wrong arguments are errors, and it stays where it 
     refused("a step beyond the end", player.step(), "ends at tick 30");
 }
 
-TEST_CASE("misuse: an asset library's wrong arguments are errors, and nothing is added") {
+TEST_CASE("misuse: an asset library returns errors for wrong arguments and adds no asset") {
     AssetLibrary library;
     const AssetId nobody{0x1234};
     refused("no bytes", status_of(library.add(std::span<const std::byte>{})), "");

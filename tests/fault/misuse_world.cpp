@@ -73,7 +73,7 @@ void refuses(World& w, const char* what, const std::function<Status()>& call) {
 }
 } // namespace
 
-TEST_CASE("misuse: commands refuse every wrong body with a sentence, and change nothing") {
+TEST_CASE("misuse: commands reject every wrong body with a sentence and do not change the world") {
     Given g;
     World& w = g.w;
     for (const BodyId b : wrong_ids(g.dead_body)) {
@@ -105,7 +105,7 @@ TEST_CASE("misuse: commands refuse every wrong body with a sentence, and change 
     }
 }
 
-TEST_CASE("misuse: a wrong body has no contact points, whatever the list held") {
+TEST_CASE("misuse: a world clears the list of contact points of a wrong body") {
     Given g;
     g.w.tick();
     for (const BodyId b : wrong_ids(g.dead_body)) {
@@ -115,8 +115,8 @@ TEST_CASE("misuse: a wrong body has no contact points, whatever the list held") 
     }
 }
 
-TEST_CASE(
-    "misuse: commands refuse every wrong shape, field, joint, character and vehicle, and change nothing") {
+TEST_CASE("misuse: commands reject every wrong shape and field and joint and character and vehicle and "
+          "change no state") {
     Given g;
     World& w = g.w;
     for (const ShapeId s : wrong_ids(g.dead_shape)) {
@@ -155,7 +155,7 @@ TEST_CASE(
     refuses(w, "no such axis", [&] { return w.set_joint_axis(joint, static_cast<JointAxisIndex>(99), {}); });
 }
 
-TEST_CASE("misuse: reading what is not there ends the program with a sentence") {
+TEST_CASE("misuse: a read of an object that does not exist ends the program with a sentence") {
     Given g;
     World& w = g.w;
     for (const BodyId b : {BodyId{}, g.dead_body, BodyId{~0u, ~0u}}) {
@@ -197,7 +197,7 @@ TEST_CASE("misuse: reading what is not there ends the program with a sentence") 
     stops("writing it", [&] { (void)w.write(Column<Score>{g.health.index}, g.body, Score{1}); });
 }
 
-TEST_CASE("misuse: the value of an error and the error of a value end the program with a sentence") {
+TEST_CASE("misuse: reading the value of an error or the error of a value ends the program with a sentence") {
     const Result<int> error = Error{"the cup is empty"}, value = 7;
     const std::string words = last_words([&] { (void)error.value(); });
     CHECK(words.find("the cup is empty") != std::string::npos);
@@ -209,8 +209,8 @@ TEST_CASE("misuse: the value of an error and the error of a value end the progra
     CHECK(last_words([&] { (void)value.value(); }) == "");
 }
 
-TEST_CASE(
-    "misuse: an image of another definition, schema or asset library is refused before anything changes") {
+TEST_CASE("misuse: a world rejects an image of another definition or schema or asset library before it "
+          "changes anything") {
     const auto made = [](auto change) {
         WorldDef def;
         change(def);
@@ -252,8 +252,8 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("misuse: a world that was moved from, or destroyed under what drives it, ends the program with a "
-          "sentence") {
+TEST_CASE("misuse: use of a moved-from world or of a world destroyed before its runner ends the program with "
+          "a sentence") {
     World w = World::create({}).value();
     World moved = std::move(w);
     stops("tick", [&] { w.tick(); });
@@ -307,7 +307,7 @@ TEST_CASE("misuse: a world that was moved from, or destroyed under what drives i
     CHECK(words.find("destroyed before what drives it") != std::string::npos);
 }
 
-TEST_CASE("misuse: a session may be destroyed before its runner, which is only destroyed then") {
+TEST_CASE("misuse: a session may be destroyed before its runner if the runner is only destroyed afterwards") {
     const SmallGame game;
     SimulatedNetwork network(1, {}, 1);
     World world = game.start().value();
@@ -323,7 +323,7 @@ TEST_CASE("misuse: a session may be destroyed before its runner, which is only d
     CHECK(world.tick_count() == 0);
 }
 
-TEST_CASE("misuse: an image whose game columns differ in anything but their values is refused") {
+TEST_CASE("misuse: a world rejects an image whose game columns differ in more than their values") {
     struct Schema {
         const char* what;
         void (*add)(GameSchema&);

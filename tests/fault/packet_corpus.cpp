@@ -73,7 +73,7 @@ template <class Planted> std::string judge(const fuzz::Buffer& data) {
 
 } // namespace
 
-TEST_CASE("packet corpus: it holds every seed, and no packet of it does harm") {
+TEST_CASE("packet corpus: the corpus holds every seed and no packet of it harms a session") {
     const std::vector<fuzz::Seed> seeds = fuzz::packet_seeds();
     const std::vector<fuzz::Buffer> all = fuzz::corpus("packet", seeds);
     for (const fuzz::Seed& seed : seeds)
@@ -88,7 +88,7 @@ TEST_CASE("packet corpus: it holds every seed, and no packet of it does harm") {
     CHECK(dropped > 50);
 }
 
-TEST_CASE("packet corpus: no packet of hundreds of mutations does harm") {
+TEST_CASE("packet corpus: no packet of hundreds of mutations harms a session") {
     const std::vector<fuzz::Buffer> all = fuzz::corpus("packet", {});
     Random random = Random::seeded(2026);
     std::uint64_t dropped = 0;
@@ -102,7 +102,7 @@ TEST_CASE("packet corpus: no packet of hundreds of mutations does harm") {
     CHECK(dropped > count);
 }
 
-TEST_CASE("packet corpus: planted sessions are found out") {
+TEST_CASE("packet corpus: the check finds planted faults of sessions") {
     const fuzz::Buffer peace = fuzz::Script().u8(0).u8(2).u8(2).done(),
                        stranger = fuzz::Script().u8(0).u8(2).u8(3).u8(3).u8(0).u8(2).u8(2).done();
     REQUIRE(judge<Relay>(peace) == "");

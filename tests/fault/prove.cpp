@@ -141,7 +141,7 @@ const ProofCheck& check_named(const Proof& proof, const std::string& name) {
 
 } // namespace
 
-TEST_CASE("a simulation without a fault is proven, by all ten checks") {
+TEST_CASE("a simulation without a fault passes all ten checks of a proof") {
     const Proof proof = proof_of(Fault::none);
     INFO(to_string(proof));
     CHECK(proof.holds());
@@ -150,7 +150,7 @@ TEST_CASE("a simulation without a fault is proven, by all ten checks") {
     CHECK(to_string(proof).starts_with("ok      repeats: "));
 }
 
-TEST_CASE("planted fault: whatever rule a simulation breaks, the check that is meant for it says so") {
+TEST_CASE("planted fault: the proof reports each broken rule of a simulation in the check of this rule") {
     const std::pair<Fault, const char*> meant[] = {
         {Fault::static_counter, "repeats"},
         {Fault::address, "repeats"},
@@ -180,7 +180,7 @@ TEST_CASE("planted fault: whatever rule a simulation breaks, the check that is m
     }
 }
 
-TEST_CASE("a proof runs every instruction set of the machine, each on one to four workers and with tasks in "
+TEST_CASE("a proof runs every instruction set of the machine on one to four workers each and with tasks in "
           "random order") {
     test::ModeReader::Seen seen;
     const Proof proof = prove(test::ModeReader(test::ReadsMode::nothing, &seen), {.ticks = 5});
@@ -194,7 +194,7 @@ TEST_CASE("a proof runs every instruction set of the machine, each on one to fou
     CHECK(check_named(proof, "every mode agrees").sentence == std::to_string(modes) + " modes");
 }
 
-TEST_CASE("planted fault: the proof names the mode of a simulation whose result depends on it") {
+TEST_CASE("planted fault: the proof names the mode of a simulation whose result depends on the mode") {
     const std::string best(name_of(best_simd()));
     const std::pair<test::ReadsMode, std::string> sentences[] = {
         {test::ReadsMode::instruction_set,
@@ -214,8 +214,8 @@ TEST_CASE("planted fault: the proof names the mode of a simulation whose result 
     }
 }
 
-TEST_CASE(
-    "a proof without pools runs tasks in random order alone, and what has one mode has nothing to compare") {
+TEST_CASE("a proof without pools runs tasks only in random order and a simulation with one mode has no "
+          "comparison") {
     test::ModeReader::Seen seen;
     CHECK(prove(test::ModeReader(test::ReadsMode::workers, &seen), {.ticks = 5, .workers = 0}).holds());
     for (const auto& mode : seen) CHECK(mode.second == 5);

@@ -44,11 +44,11 @@ bool names(const std::string& verdict, const std::string& what) {
 
 } // namespace
 
-TEST_CASE("without a fault the checker is content") {
+TEST_CASE("the checker finds no fault in a correct restore") {
     CHECK(verdict([](State&) {}) == "");
 }
 
-TEST_CASE("planted fault: a column left out of the restore is found out and named, whichever it is") {
+TEST_CASE("planted fault: the checker finds and names any column that a restore leaves out") {
     World w = start_script(Scenery::pile);
     w.restore(the_run().images[restored_at]);
     for (const ColumnInfo& info : w.state().layout().columns()) {
@@ -60,7 +60,7 @@ TEST_CASE("planted fault: a column left out of the restore is found out and name
     }
 }
 
-TEST_CASE("planted fault: a generation that is not restored is found out") {
+TEST_CASE("planted fault: the checker finds a generation that is not restored") {
     const std::string v = verdict([](State& s) {
         const ColumnInfo& info = column(s, "body.slot");
         s.edit_bytes(index_of(s, info))[3 * info.row_size + 4] ^= std::byte{1};
@@ -68,7 +68,7 @@ TEST_CASE("planted fault: a generation that is not restored is found out") {
     CHECK(names(v, "column body.slot, row 3, generation"));
 }
 
-TEST_CASE("planted fault: one bit of one velocity is found out with its row and field") {
+TEST_CASE("planted fault: the checker finds one flipped bit of one velocity with its row and field") {
     const std::string v = verdict([](State& s) {
         const ColumnInfo& info = column(s, "body.velocity");
         s.edit_bytes(index_of(s, info))[7 * info.row_size + 4] ^= std::byte{1};
@@ -76,14 +76,14 @@ TEST_CASE("planted fault: one bit of one velocity is found out with its row and 
     CHECK(names(v, "column body.velocity, row 7, linear.y"));
 }
 
-TEST_CASE("planted fault: a body too many is found out") {
+TEST_CASE("planted fault: the checker finds an extra body") {
     World w = start_script(Scenery::pile);
     w.restore(the_run().images[restored_at]);
     made(w.create_body({}));
     CHECK(names(departs(the_run(), w, restored_at, 20), "count"));
 }
 
-TEST_CASE("planted fault: a command that the journal missed is found out at its tick") {
+TEST_CASE("planted fault: a replay of the journal finds a missing command at its tick") {
     World w = start_script(Scenery::pile), fresh = start_script(Scenery::pile);
     Tape tape;
     w.set_journal(&tape);

@@ -85,7 +85,7 @@ void add_wait(base::StrandPlan& plan, std::uint32_t strand, std::uint32_t piece,
 
 } // namespace
 
-TEST_CASE("a body is moved in order by items of one strand, and by items that waits put in order") {
+TEST_CASE("items of one strand and items with waits between them move a body in order") {
     const std::vector<Solved> solved = {{1, 0, {7, no_body}}, {2, 1, {7, 3}}};
     CHECK(order_fault({}, solved) == "");
     base::StrandPlan plan = plan_of({2, 1});
@@ -98,7 +98,7 @@ TEST_CASE("a body is moved in order by items of one strand, and by items that wa
     CHECK(order_fault(plan, solved) == "");
 }
 
-TEST_CASE("waits follow one another over strands, and pieces that wait for one another are refused") {
+TEST_CASE("waits order pieces across strands and the check rejects pieces that wait in a cycle") {
     const std::vector<Solved> solved = {{0, 0, {7, no_body}}, {2, 1, {7, no_body}}};
     base::StrandPlan plan = plan_of({1, 1, 1});
     add_wait(plan, 1, 0, {0, 1, false});
@@ -109,7 +109,8 @@ TEST_CASE("waits follow one another over strands, and pieces that wait for one a
     CHECK(order_fault(plan, solved) == "piece 0 of strand 0 waits for ever");
 }
 
-TEST_CASE("planted fault: items that share a body, come the wrong way round, twice or not at all") {
+TEST_CASE(
+    "planted fault: the check finds items that share a body or are reversed or repeated or in no piece") {
     const base::StrandPlan plan = plan_of({3});
     CHECK(order_fault(plan, std::vector<Solved>{{0, 0, {4, 5}}, {0, 1, {5, 6}}}) != "");
     CHECK(order_fault(plan, std::vector<Solved>{{1, 0, {4, 5}}, {0, 1, {5, 6}}}) != "");
@@ -119,7 +120,8 @@ TEST_CASE("planted fault: items that share a body, come the wrong way round, twi
     CHECK(order_fault(plan, std::vector<Solved>{{0, 0, {4, 5}}, {0, 1, {6, no_body}}}) == "");
 }
 
-TEST_CASE("bodies are followed between passes, after their last constraint and before their first one") {
+TEST_CASE("the check requires that each body is followed between passes after its last and before its first "
+          "constraint") {
     const std::vector<Solved> solved = {{0, 0, {7, no_body}}, {1, 1, {7, no_body}}};
     base::StrandPlan plan = plan_of({1, 1});
     add_wait(plan, 1, 0, {0, 1, false});
@@ -134,8 +136,7 @@ TEST_CASE("bodies are followed between passes, after their last constraint and b
     CHECK(order_fault(plan, solved, std::vector<BetweenPasses>{}) == "body 7 is not followed");
 }
 
-TEST_CASE(
-    "plans of contacts keep the order; two packs that change places and waits that are left out do not") {
+TEST_CASE("plans of contacts keep the order and the check finds two swapped packs and missing waits") {
     int swapped = 0, left_out = 0, waits = 0;
     for (std::uint64_t seed = 1; seed <= 6; ++seed)
         for (const std::uint32_t lanes : {1u, 2u, 4u, 8u})
@@ -162,7 +163,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "passes that are one run keep the order from pass to pass; without a wait between passes they do not") {
+    "passes in one run keep the order from pass to pass and the check finds a missing wait between passes") {
     const Heap column = column_of(2000);
     for (const std::uint32_t workers : {2u, 4u}) {
         ContactPacks made;
@@ -187,7 +188,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the plans of whole worlds keep the order, alone and on workers") {
+TEST_CASE("the plans of whole worlds keep the order on one thread and on workers") {
     ShuffledTasks two(1, 2), five(2, 5);
     for (Tasks* tasks :
          {static_cast<Tasks*>(nullptr), static_cast<Tasks*>(&two), static_cast<Tasks*>(&five)}) {
@@ -204,7 +205,7 @@ TEST_CASE("the plans of whole worlds keep the order, alone and on workers") {
     }
 }
 
-TEST_CASE("a pass counter accepts ascending ranks, and ends the program where a body is moved out of order") {
+TEST_CASE("a pass counter accepts ascending ranks and ends the program if a body moves out of order") {
     PassCounter counter;
     counter.begin(3);
     const std::uint32_t first = counter.next_pass();

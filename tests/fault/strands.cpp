@@ -76,7 +76,7 @@ std::string complaint_of(Tasks* tasks, int plans) {
 
 } // namespace
 
-TEST_CASE("strands are done by any number of workers, each item once and piece after piece") {
+TEST_CASE("any number of workers runs each item of the strands once and piece after piece") {
     for (const std::uint32_t workers : {1u, 2u, 3u, 8u, 12u}) {
         const auto pool = make_worker_pool(workers);
         CHECK(complaint_of(pool.get(), workers > 3 ? 50 : 500) == "");
@@ -85,8 +85,8 @@ TEST_CASE("strands are done by any number of workers, each item once and piece a
 }
 
 // A worker that takes over a strand then has several. Other workers may wait for one of them while it waits for theirs.
-TEST_CASE(
-    "strands are done by workers that stop in the middle of pieces for longer than others have patience") {
+TEST_CASE("workers complete strands if some of them stop inside pieces for longer than the patience of the "
+          "others") {
     for (const std::uint32_t workers : {2u, 3u, 4u, 8u}) {
         const auto pool = make_worker_pool(workers);
         std::atomic<std::uint32_t> pieces = 0;
@@ -101,9 +101,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE(
-    "strands are all done on a host that runs its items one by one, in any order, twice or some of them "
-    "never") {
+TEST_CASE("a host that runs items one by one or in any order or twice or skips some completes all strands") {
     ShuffledTasks shuffled(6);
     CHECK(complaint_of(&shuffled, 100) == "");
     for (const auto way : {OddTasks::Way::first_alone, OddTasks::Way::last_alone,
@@ -115,7 +113,7 @@ TEST_CASE(
     CHECK(complaint_of(&unsteady, 100) == "");
 }
 
-TEST_CASE("planted fault: strands that wait for nobody, and that lack a piece, are told") {
+TEST_CASE("planted fault: the check finds strands that skip their waits and strands that lack a piece") {
     using Plan = base::StrandPlan;
     const auto visit_round = [](const Plan& plan, std::uint32_t k, std::uint32_t round, const auto& visit) {
         for (std::uint32_t i = 0; i < plan.count(k); ++i)

@@ -95,7 +95,7 @@ template <class Fold> std::string departure_of(Fold&& fold) {
 
 } // namespace
 
-TEST_CASE("a pool runs every item once, whatever the number of workers") {
+TEST_CASE("a pool with any number of workers runs every item once") {
     for (const std::uint32_t workers : {1u, 2u, 3u, 8u, 64u}) {
         INFO(workers);
         const auto pool = make_worker_pool(workers);
@@ -105,7 +105,7 @@ TEST_CASE("a pool runs every item once, whatever the number of workers") {
     CHECK(complaint(unsteady, 20) == "");
 }
 
-TEST_CASE("what items wrote is seen by the next run") {
+TEST_CASE("a run of a pool reads what the items of the previous run wrote") {
     const auto pool = make_worker_pool(4);
     std::vector<std::uint64_t> numbers(300, 1);
     struct Job {
@@ -168,7 +168,7 @@ template <class Bell> void hand_to_and_fro(Bell& to, Bell& fro, std::uint32_t ti
 
 } // namespace
 
-TEST_CASE("who sleeps on a bell is woken, by the system's and by one with a lock") {
+TEST_CASE("the bell of the system and the bell with a lock wake a thread that sleeps") {
     base::SystemBell system[2];
     hand_to_and_fro(system[0], system[1], is_long ? 200000 : 5000);
     base::LockedBell locked[2];
@@ -177,7 +177,7 @@ TEST_CASE("who sleeps on a bell is woken, by the system's and by one with a lock
     locked[0].wait(number, 0); // the number differs, so the call returns at once
 }
 
-TEST_CASE("planted fault: a bell that compares before it locks leaves somebody asleep") {
+TEST_CASE("planted fault: a bell that compares before it locks leaves a thread asleep") {
     EarlyBell early[2];
     hand_to_and_fro(early[0], early[1], 20);
     CHECK(early[0].missed + early[1].missed > 0);
@@ -209,32 +209,32 @@ std::string complaint_of_sleepers(Tasks& tasks) {
 
 } // namespace
 
-TEST_CASE("workers that have slept take part again, and a caller that sleeps is woken") {
+TEST_CASE("workers that slept take part again and a caller that sleeps wakes up") {
     for (const std::uint32_t workers : {2u, 3u, 8u}) {
         INFO(workers);
         CHECK(complaint_of_sleepers(*make_worker_pool(workers)) == "");
     }
 }
 
-TEST_CASE("planted fault: workers that are never woken are told by what they do not do") {
+TEST_CASE("planted fault: the check finds workers that never wake by their missing work") {
     CHECK(complaint_of_sleepers(*make_worker_pool(1)) == "workers that slept do not take part");
 }
 
-TEST_CASE("pools come and go, used or not") {
+TEST_CASE("pools start and stop with and without use") {
     for (int i = 0; i < 20; ++i) {
         const auto pool = make_worker_pool(1 + static_cast<std::uint32_t>(i) % 5);
         if (i % 3 != 0) CHECK(complaint(*pool, i % 7) == "");
     }
 }
 
-TEST_CASE("planted fault: tasks that leave an item out or run one twice are found out by the count") {
+TEST_CASE("planted fault: the count finds tasks that leave an item out or run one twice") {
     FaultyTasks leaves_out(FaultyTasks::Fault::leaves_out, 40), twice(FaultyTasks::Fault::runs_twice, 40);
     CHECK(complaint(leaves_out, 60).find("run 40: ") == 0);
     CHECK(complaint(twice, 60).find("was run 2 times") != std::string::npos);
 }
 
-TEST_CASE("planted fault: work whose result depends on the order of its items is noticed by the comparison "
-          "of worlds") {
+TEST_CASE(
+    "planted fault: the comparison of worlds finds work whose result depends on the order of its items") {
     CHECK(departure_of([](std::uint64_t sum, std::uint64_t item) { return sum + item; }) == "");
     const std::string found =
         departure_of([](std::uint64_t sum, std::uint64_t item) { return sum * 31 + item; });
@@ -249,7 +249,7 @@ constexpr bool poisons_scratch = false;
 constexpr bool poisons_scratch = true;
 #endif
 
-TEST_CASE("planted fault: a world whose tasks leave an item out, or run one twice, is noticed" *
+TEST_CASE("planted fault: the comparison of worlds finds tasks that leave an item out or run one twice" *
           doctest::skip(poisons_scratch)) {
     const auto game = small_scene(*find_scene("pile"));
     FaultyTasks sound(FaultyTasks::Fault::leaves_out, ~std::uint64_t{0});

@@ -71,7 +71,7 @@ std::string complaint_of(Tasks& tasks, int times, bool sleep = false) {
 
 } // namespace
 
-TEST_CASE("two jobs are done by any number of workers, each once, with all items of their loops") {
+TEST_CASE("any number of workers runs each of two jobs once with all items of their loops") {
     for (const std::uint32_t workers : {1u, 2u, 3u, 8u}) {
         const auto pool = make_worker_pool(workers);
         CHECK(complaint_of(*pool, workers > 3 ? 30 : 300) == "");
@@ -79,8 +79,7 @@ TEST_CASE("two jobs are done by any number of workers, each once, with all items
     }
 }
 
-TEST_CASE(
-    "two jobs are done on a host that runs its items one by one, in any order, twice or some of them never") {
+TEST_CASE("a host that runs items one by one or in any order or twice or skips some completes two jobs") {
     ShuffledTasks shuffled(6);
     CHECK(complaint_of(shuffled, 50) == "");
     for (const auto way : {OddTasks::Way::first_alone, OddTasks::Way::last_alone,
@@ -92,7 +91,7 @@ TEST_CASE(
     CHECK(complaint_of(unsteady, 50) == "");
 }
 
-TEST_CASE("planted fault: jobs of which one is left out, or done twice, or loses an item, are told") {
+TEST_CASE("planted fault: the check finds jobs that are left out or done twice or lose an item") {
     struct InOrder final : Tasks {
         std::uint32_t left_out = 0;
         std::uint32_t worker_count() const override { return 2; }

@@ -136,15 +136,15 @@ std::string first_difference(std::span<const std::byte> a, std::span<const std::
 
 } // namespace
 
-TEST_CASE("the test vector for inputs in FORMAT.md is what the writer makes") {
+TEST_CASE("the writer produces the test vector for inputs in FORMAT.md") {
     CHECK(first_difference(tiny_inputs(), vector_on_page("inputs")) == "");
 }
 
-TEST_CASE("the test vector for commands in FORMAT.md is what the writer makes") {
+TEST_CASE("the writer produces the test vector for commands in FORMAT.md") {
     CHECK(first_difference(tiny_commands(), vector_on_page("commands")) == "");
 }
 
-TEST_CASE("the test vector for inputs reads back as what FORMAT.md says it holds") {
+TEST_CASE("the test vector for inputs reads back with the content that FORMAT.md describes") {
     const Recording recording = must(Recording::from_bytes(vector_on_page("inputs"), "page"));
     CHECK(recording.header() == tiny_header(Mode::inputs));
     CHECK(recording.complete());
@@ -159,7 +159,7 @@ TEST_CASE("the test vector for inputs reads back as what FORMAT.md says it holds
     CHECK(std::ranges::equal(recording.keyframe_image(1), bytes_of("portable imago")));
 }
 
-TEST_CASE("the test vector for commands reads back as what FORMAT.md says it holds") {
+TEST_CASE("the test vector for commands reads back with the content that FORMAT.md describes") {
     const Recording recording = must(Recording::from_bytes(vector_on_page("commands"), "page"));
     REQUIRE(recording.tick_count() == 2);
     CHECK(recording.start_tick() == 100);
@@ -170,7 +170,7 @@ TEST_CASE("the test vector for commands reads back as what FORMAT.md says it hol
     CHECK(recording.block_with(100).commands(101).empty());
 }
 
-TEST_CASE("the table of commands in FORMAT.md is the engine's") {
+TEST_CASE("the table of commands in FORMAT.md matches the engine") {
     const std::string page = text_of("replay/FORMAT.md");
     for (std::size_t kind = 0; kind < command_kinds; ++kind) {
         std::vector<std::byte> zeros(command_bytes(kind));

@@ -18,7 +18,7 @@ TEST_CASE("every scene has the hashes of tests/golden/hashes.tsv") {
     CHECK(differences(expected, computed(expected)) == "");
 }
 
-TEST_CASE("a golden hash that is off by one digit is noticed") {
+TEST_CASE("the comparison detects a golden hash that is off by one digit") {
     const std::string name = "two-blocks size=0 seed=1 players=0";
     Table table = from_file();
     std::erase_if(table, [&](const auto& row) { return row.first.game != name; });

@@ -45,8 +45,7 @@ struct Seen {
 
 } // namespace
 
-TEST_CASE(
-    "the self test passes: small worlds have the stored hashes, in every instruction set of the machine") {
+TEST_CASE("self_test() passes: small worlds have the stored hashes in every instruction set of the machine") {
     const Status same = self_test();
     const std::string sentence = same.ok() ? "" : same.error().message;
     INFO(sentence);
@@ -54,7 +53,8 @@ TEST_CASE(
     CHECK(same.ok());
 }
 
-TEST_CASE("planted fault: a wrong stored hash is reported with world, mode, tick and both hashes") {
+TEST_CASE(
+    "planted fault: the self test reports a wrong stored hash with world and mode and tick and both hashes") {
     const std::vector<std::uint64_t> right = testing::self_test_hashes().value();
     REQUIRE(testing::self_test_against(right).ok());
     const auto sentence_of = [&](std::size_t place, std::uint64_t stored) {
@@ -75,8 +75,7 @@ TEST_CASE("planted fault: a wrong stored hash is reported with world, mode, tick
           "there are 7 stored hashes for 60 ticks; tools/refresh writes them");
 }
 
-TEST_CASE(
-    "the self test depends neither on what ran before, nor on how often it runs, nor on other threads") {
+TEST_CASE("the self test does not depend on earlier work or on repeated runs or on other threads") {
     const std::vector<std::uint64_t> first = testing::self_test_hashes().value();
     std::vector<std::uint64_t> backwards(first.size());
     for (std::uint32_t number = testing::self_test_worlds; number-- > 0;) {
@@ -95,8 +94,8 @@ TEST_CASE(
     CHECK(testing::self_test_hashes().value() == first);
 }
 
-TEST_CASE("the worlds of the self test have every kind of primitive, nine kinds of joints, all fields, "
-          "locks, sleepers and commands") {
+TEST_CASE("self test worlds have every primitive and nine joint kinds and all fields and locks and sleepers "
+          "and commands") {
     Seen seen;
     proofs::ShuffledTasks tasks(1);
     for (std::uint32_t number = 0; number < testing::self_test_worlds; ++number) {

@@ -7,7 +7,7 @@
 
 namespace lockstone::test {
 
-TEST_CASE("every scene has its golden hashes in lanes whose bits are checked") {
+TEST_CASE("every scene has its golden hashes in lanes that check their bits") {
     LaneFaults::forget();
     const golden::Table expected = golden::from_file();
     REQUIRE_FALSE(expected.empty());
@@ -17,7 +17,7 @@ TEST_CASE("every scene has its golden hashes in lanes whose bits are checked") {
     CHECK(LaneFaults::count == 0);
 }
 
-TEST_CASE("bits that have no meaning are noticed") {
+TEST_CASE("checked lanes count each use of a bit that has no meaning") {
     using L = CheckedLanes;
     const std::int32_t numbers[4] = {-7, 1, 2, 3}, masks[4] = {-1, 0, 0, -1};
     const auto faults = [](auto&& operation) {

@@ -129,7 +129,7 @@ World after_a_second(World world) {
 
 } // namespace
 
-TEST_CASE("definitions with user keys, handed over in any order, make the same world, tick for tick") {
+TEST_CASE("assemble makes the same world at every tick from definitions with user keys in any order") {
     std::vector<Assembly> list = definitions();
     World expected = made(World::create(small_def()));
     made(assemble(expected, list));
@@ -144,7 +144,8 @@ TEST_CASE("definitions with user keys, handed over in any order, make the same w
     }
 }
 
-TEST_CASE("so they do in worlds of all kinds of bodies, and where ids fill the gaps that others left") {
+TEST_CASE("assemble makes the same world from any order of all kinds of bodies and if ids fill gaps of other "
+          "bodies") {
     const unsigned worlds = std::getenv("LOCKSTONE_LONG") != nullptr ? 200 : 12;
     for (unsigned seed = 1; seed <= worlds; ++seed) {
         INFO("seed ", seed);
@@ -162,7 +163,8 @@ TEST_CASE("so they do in worlds of all kinds of bodies, and where ids fill the g
     }
 }
 
-TEST_CASE("so they do with joints, vehicles, characters and fields, each by its own key") {
+TEST_CASE("assemble makes the same world from any order of joints and vehicles and characters and fields by "
+          "their keys") {
     const unsigned levels = std::getenv("LOCKSTONE_LONG") != nullptr ? 100 : 8;
     for (unsigned seed = 1; seed <= levels; ++seed) {
         INFO("seed ", seed);
@@ -190,8 +192,8 @@ TEST_CASE("so they do with joints, vehicles, characters and fields, each by its 
     }
 }
 
-TEST_CASE("planted fault: joints, vehicles, characters or fields in the order of a shuffled list are another "
-          "world") {
+TEST_CASE(
+    "planted fault: joints or vehicles or characters or fields in a shuffled order make another world") {
     for (int kind = 0; kind < 4; ++kind) {
         const Level level = motley_level(1);
         World expected = used_world(false), world = expected.clone();
@@ -208,8 +210,8 @@ TEST_CASE("planted fault: joints, vehicles, characters or fields in the order of
     }
 }
 
-TEST_CASE("a level with a key that stands twice, a body that is not there or a bad definition leaves the "
-          "world and its journal alone") {
+TEST_CASE("a level with a repeated key or a missing body or a bad definition does not change the world or "
+          "its journal") {
     struct Heard : Journal {
         int commands = 0;
         void on_command(std::uint64_t, const Command&) override { ++commands; }
@@ -242,7 +244,7 @@ TEST_CASE("a level with a key that stands twice, a body that is not there or a b
     CHECK(heard.commands > 100);
 }
 
-TEST_CASE("planted fault: bodies created in the order of a shuffled list are another world") {
+TEST_CASE("planted fault: bodies created in the order of a shuffled list make another world") {
     std::vector<Assembly> list = definitions();
     World expected = made(World::create(small_def())), world = expected.clone();
     made(assemble(expected, list));
@@ -254,8 +256,7 @@ TEST_CASE("planted fault: bodies created in the order of a shuffled list are ano
     CHECK(difference(expected, world) != "");
 }
 
-TEST_CASE(
-    "keys that stand twice, and definitions that are refused, leave the world as it was and are named") {
+TEST_CASE("assemble names repeated keys and rejected definitions and leaves the world unchanged") {
     World world = made(World::create(small_def()));
     add_floor(world);
     const std::uint64_t hash = world.hash();

@@ -165,7 +165,8 @@ struct Run {
 
 } // namespace
 
-TEST_CASE("poses, bounds and trees are those of the state alone, whatever was restored, made and destroyed") {
+TEST_CASE(
+    "poses and bounds and trees depend only on the state after any restore and creation and destruction") {
     for (int seed = 1; seed <= samples(6, 60); ++seed) {
         INFO(seed);
         Run run(static_cast<std::uint64_t>(seed));
@@ -181,7 +182,7 @@ TEST_CASE("poses, bounds and trees are those of the state alone, whatever was re
     }
 }
 
-TEST_CASE("planted fault: changes that were taken but not looked at are noticed") {
+TEST_CASE("planted fault: the check finds changes that were taken but not processed") {
     int noticed = 0;
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         Run run(seed);
@@ -195,7 +196,7 @@ TEST_CASE("planted fault: changes that were taken but not looked at are noticed"
     CHECK(noticed >= 3);
 }
 
-TEST_CASE("planted fault: a sleeper that was moved past the bookkeeping of changes is noticed") {
+TEST_CASE("planted fault: the check finds a sleeper that moved without a recorded change") {
     Run run(4);
     for (int t = 0; t < 40; ++t) run.step([] {});
     REQUIRE(derived_hash(run.w) == derived_anew(run.w));
@@ -206,7 +207,7 @@ TEST_CASE("planted fault: a sleeper that was moved past the bookkeeping of chang
     CHECK(derived_hash(run.w) != derived_anew(run.w));
 }
 
-TEST_CASE("changes of a column are listed once, and what went and came back is listed again") {
+TEST_CASE("a state lists each change of a column once and lists removed rows again after a restore") {
     StateLayout layout;
     const TableId table = layout.add_table("t", 5000);
     const Column<std::uint64_t> column = layout.add_column<std::uint64_t>(table, "t.number", Group::game);
@@ -239,7 +240,8 @@ TEST_CASE("changes of a column are listed once, and what went and came back is l
     CHECK(changed.size() == 1);
 }
 
-TEST_CASE("bodies are joined as the rows of joints say, whatever was restored, made and destroyed") {
+TEST_CASE(
+    "the cache of joined bodies matches the rows of joints after any restore and creation and destruction") {
     Run run(3);
     std::size_t found = 0;
     for (int t = 0; t < samples(100, 600); ++t) {

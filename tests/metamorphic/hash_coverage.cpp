@@ -107,7 +107,7 @@ void fill_gaps(const State& s, std::byte with) {
 
 } // namespace
 
-TEST_CASE("every scene: each bit of each column changes the root hash, and so does each row count") {
+TEST_CASE("every scene: each bit of each column and each row count changes the root hash") {
     for (const SceneInfo& info : scenes()) {
         INFO(info.name);
         World world = after(*small_scene(info), is_long ? 40 : 12);
@@ -127,7 +127,7 @@ TEST_CASE("every scene: each bit of each column changes the root hash, and so do
 }
 
 TEST_CASE(
-    "planted fault: a hash without a column is caught, by that column, in every scene that has rows of it") {
+    "planted fault: the check finds a hash without a column by that column in every scene with rows of it") {
     std::uint64_t caught = 0;
     for (const SceneInfo& info : scenes()) {
         INFO(info.name);
@@ -144,8 +144,8 @@ TEST_CASE(
     CHECK(caught > 200);
 }
 
-TEST_CASE("every scene, every tick: a byte of the block is a count, a live row, zero, or a gap that nobody "
-          "touches") {
+TEST_CASE(
+    "every scene and tick: each byte of the block is a count or a live row or zero or an untouched gap") {
     for (const SceneInfo& info : scenes()) {
         INFO(info.name);
         const auto game = small_scene(info);
@@ -171,7 +171,7 @@ TEST_CASE("every scene, every tick: a byte of the block is a count, a live row, 
     }
 }
 
-TEST_CASE("planted fault: a byte that is written beyond the live rows, or between columns, is found") {
+TEST_CASE("planted fault: the check finds a byte that is written beyond the live rows or between columns") {
     World world = after(*small_scene(*find_scene("rollback-arena")), 5);
     const State& s = world.state();
     REQUIRE(stray_byte(s, std::byte{}) == "");

@@ -8,8 +8,7 @@
 using namespace lockstone;
 using namespace lockstone::test;
 
-TEST_CASE("a plan of joints that is kept is the one that would be made anew, whatever happens to joints and "
-          "bodies") {
+TEST_CASE("a cached plan of joints equals a new plan after any change of joints and bodies") {
     const ChainRun kept = run_chains(400);
     CHECK(kept.parted_at == -1);
     CHECK(kept.kept > 100);
@@ -17,8 +16,8 @@ TEST_CASE("a plan of joints that is kept is the one that would be made anew, wha
     CHECK(kept.asleep > 0);
 }
 
-TEST_CASE(
-    "a plan is kept over restores: images, portable ones and clones go on alike, forwards and backwards") {
+TEST_CASE("worlds with a cached plan of joints continue alike after restores and in clones forwards and "
+          "backwards") {
     JointChains c;
     std::vector<Image> images(60);
     std::vector<std::uint64_t> hashes;
@@ -39,7 +38,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("planted fault: a plan that is kept although a joint or a body has changed is found out") {
+TEST_CASE("planted fault: the check finds a plan that is kept although a joint or a body has changed") {
     const ChainRun kept = run_chains(400, [](sim::Data& w) {
         // Makes a new list, and the tick accepts it as that of the last tick.
         sim::list_joints(w, w.scratch.joints);

@@ -3,7 +3,8 @@
 
 #include <doctest/doctest.h>
 
-TEST_CASE("worlds that once differed have the same bits by every instruction set and number of workers") {
+TEST_CASE(
+    "worlds that once differed have the same bits in every instruction set and with any number of workers") {
     for (const worlds::KeptStory& kept : worlds::kept_stories()) {
         INFO(kept.about);
         CHECK(worlds::first_apart(kept.story) == "");

@@ -83,7 +83,7 @@ void poison(sim::Data& w, int t) { sim::poison_scratch(w, static_cast<std::byte>
 
 } // namespace
 
-TEST_CASE("every scene: poisoned scratch, other trees, forgotten pairs before every tick change nothing") {
+TEST_CASE("every scene: poisoned scratch and other trees and dropped pairs before every tick change no bit") {
     for (const SceneInfo& info : scenes())
         for (const testing::Leftover what : leftovers) {
             INFO(info.name, ", leftover ", static_cast<int>(what));
@@ -93,7 +93,7 @@ TEST_CASE("every scene: poisoned scratch, other trees, forgotten pairs before ev
         }
 }
 
-TEST_CASE("every byte that memory can be filled with: a pile in an arena goes on alike") {
+TEST_CASE("a pile in an arena ticks alike for every byte that can fill its scratch memory") {
     const auto game = make_scene("rollback-arena").value();
     CHECK(departs(*game, is_long ? 512 : 40, [](World& w, int t) {
               testing::disturb(w, testing::Leftover::scratch, static_cast<std::uint64_t>(t));
@@ -106,7 +106,7 @@ TEST_CASE("every byte that memory can be filled with: a pile in an arena goes on
 }
 
 TEST_CASE(
-    "trees that hold the same leaves in any order and shape find the same pairs, however they are inserted") {
+    "trees with the same leaves in any order and shape find the same pairs after any order of insertion") {
     std::mt19937 chance(4);
     const auto coordinate = [&](int low, int high) {
         return Bound::from_raw(std::uniform_int_distribution<std::int32_t>(low, high)(chance));
@@ -138,8 +138,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE(
-    "planted fault: what is no leftover, but a cache that ticks rely on, is missed when it is meddled with") {
+TEST_CASE("planted fault: a changed cache that ticks rely on is no leftover and changes the ticks") {
     CHECK_FALSE(inside_departs([](sim::Data&, int) {}));
     CHECK(inside_departs([](sim::Data& w, int t) {
         if (t > 0) w.placed.broad_phase.remove(0); // the ground
@@ -149,7 +148,8 @@ TEST_CASE(
     }));
 }
 
-TEST_CASE("planted fault: one bit of the state, or of a scratch that should not be one, is found") {
+TEST_CASE(
+    "planted fault: the check finds a flipped bit of the state and a tick that reads old scratch memory") {
     const auto game = make_scene("rollback-arena").value();
     bool flipped = false;
     const std::string found = departs(*game, 20, [&](World& w, int t) {

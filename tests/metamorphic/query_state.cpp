@@ -28,16 +28,16 @@ int first_difference(int ticks, int questions, bool disturb) {
 
 } // namespace
 
-TEST_CASE("thousands of questions between all ticks change no hash") {
+TEST_CASE("thousands of queries between all ticks change no hash") {
     CHECK(first_difference(samples(60, 600), samples(100, 400), false) == -1);
 }
 
-TEST_CASE("planted: a question that changed the state would be noticed") {
+TEST_CASE("planted: the check finds a query that changes the state") {
     CHECK(first_difference(30, 8, true) == 20);
 }
 
-TEST_CASE("rolled back, run again, restored elsewhere or cloned, every tick gives the answers that it gave, "
-          "whatever came in between") {
+TEST_CASE("every tick gives the same answers after rollback and resimulation and restores elsewhere and in "
+          "clones") {
     const Assets assets;
     World w = crowd(assets, 60);
     constexpr std::size_t ticks = 30;
@@ -74,7 +74,7 @@ TEST_CASE("rolled back, run again, restored elsewhere or cloned, every tick give
         }
 }
 
-TEST_CASE("commands since the last tick count") {
+TEST_CASE("queries take the commands since the last tick into account") {
     World w = made(World::create(small_def()));
     const BodyId ball = add_ball(w, at(0, 0, 0));
     const Ray ray{vec(-5, 3, 0), vec(10, 0, 0)};

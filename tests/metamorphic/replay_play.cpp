@@ -36,7 +36,7 @@ void seek_everywhere(Player& player, const std::vector<std::uint64_t>& hashes) {
 
 } // namespace
 
-TEST_CASE("seeking to any tick in any order gives the state that straight play gives, in both modes") {
+TEST_CASE("a seek to any tick in any order gives the state of straight play in both modes") {
     const auto hashes = played_hashes(200);
     for (const std::uint64_t every : {30u, 150u, 0u}) {
         const RecorderOptions options{.keyframe_ticks = every};
@@ -53,7 +53,7 @@ TEST_CASE("seeking to any tick in any order gives the state that straight play g
     }
 }
 
-TEST_CASE("a world that was changed by hand while it was shown is not kept for later") {
+TEST_CASE("a player does not keep a world for later that was changed by hand while it was shown") {
     const auto hashes = played_hashes(200);
     const Recording recording = must(read(record_inputs(200, {.keyframe_ticks = 0})));
     Player player = must(Player::open(recording, game));
@@ -63,7 +63,7 @@ TEST_CASE("a world that was changed by hand while it was shown is not kept for l
     seek_everywhere(player, hashes);
 }
 
-TEST_CASE("straight, from keyframes, by threads and by shards: all verify the same ticks") {
+TEST_CASE("verifying straight or from keyframes or by threads or by shards covers the same ticks") {
     for (const Bytes& bytes :
          {record_inputs(250, {.keyframe_ticks = 40}), record_commands(250, {.keyframe_ticks = 40})}) {
         const Recording recording = must(read(bytes));
@@ -93,7 +93,7 @@ TEST_CASE("straight, from keyframes, by threads and by shards: all verify the sa
     }
 }
 
-TEST_CASE("playing a recording and recording what is played gives the same file, byte for byte") {
+TEST_CASE("recording the play of a recording gives the same file byte for byte") {
     const RecorderOptions options{.options = {{"seed", "7"}}, .keyframe_ticks = 25, .block_ticks = 16};
     for (const bool is_inputs : {true, false}) {
         const Bytes first = is_inputs ? record_inputs(130, options) : record_commands(130, options);
@@ -118,7 +118,7 @@ TEST_CASE("playing a recording and recording what is played gives the same file,
     }
 }
 
-TEST_CASE("a recording through a file or a stream is the recording in memory") {
+TEST_CASE("a recording through a file or a stream equals the recording in memory") {
     const Bytes bytes = record_inputs(70);
     const std::string path = (std::filesystem::temp_directory_path() / "lockstone_replay_play.lsr").string();
     std::ostringstream text;
@@ -157,8 +157,8 @@ TEST_CASE("a recording that starts in the middle of a run plays like the end of 
     CHECK(report.to == 130);
 }
 
-TEST_CASE("ticks fed without a world, as from a confirmed timeline, make the same recording but for its "
-          "keyframes") {
+TEST_CASE(
+    "ticks from a confirmed timeline without a world make the same recording except for its keyframes") {
     const Bytes expected = record_inputs(90, {.keyframe_ticks = 0});
     const auto hashes = played_hashes(90);
     MemorySink sink;
@@ -170,7 +170,7 @@ TEST_CASE("ticks fed without a world, as from a confirmed timeline, make the sam
     CHECK(sink.bytes == expected);
 }
 
-TEST_CASE("a player who leaves is recorded as gone") {
+TEST_CASE("the recorder stores a player that leaves as disconnected") {
     MemorySink sink;
     World world = must(game.start());
     auto recorder = must(InputRecorder::begin(sink, game, world));
@@ -191,8 +191,8 @@ TEST_CASE("a player who leaves is recorded as gone") {
     CHECK(report.input_difference.starts_with("player 1: input disconnected against "));
 }
 
-TEST_CASE(
-    "a branch with the same inputs is the same run; with others it parts at the tick where they differ") {
+TEST_CASE("a branch with the same inputs equals its source and with others diverges at the tick where they "
+          "differ") {
     const Recording source =
         must(read(record_inputs(120, {.options = {{"seed", "7"}}, .keyframe_ticks = 25})));
     for (const std::uint64_t at : {0u, 1u, 25u, 63u, 64u, 119u, 120u}) {
@@ -230,7 +230,7 @@ TEST_CASE(
     CHECK(sink.bytes.empty());
 }
 
-TEST_CASE("a branch of commands goes on from its tick") {
+TEST_CASE("a branch of commands continues from its tick") {
     const Recording source = must(read(record_commands(100, {.keyframe_ticks = 30})));
     MemorySink sink;
     CommandBranch branch = must(branch_commands(source, 70, sink));
@@ -248,7 +248,7 @@ TEST_CASE("a branch of commands goes on from its tick") {
     CHECK(report.input_difference.find("against set_gravity") != std::string::npos);
 }
 
-TEST_CASE("diff names tick, phase, column, row, field and both values") {
+TEST_CASE("diff names the tick and phase and column and row and field and both values") {
     const SmallGame changed(100);
     const Recording ours = must(read(record_inputs(200, {.keyframe_ticks = 50})));
     const Recording theirs = must(read(record_inputs(200, {.keyframe_ticks = 50}, changed)));
@@ -270,7 +270,7 @@ TEST_CASE("diff names tick, phase, column, row, field and both values") {
         CHECK_MESSAGE(report.text.find(part) != std::string::npos, part);
 }
 
-TEST_CASE("a recording of another engine is blamed, and its next keyframe testifies") {
+TEST_CASE("diff finds the recording that another engine made and compares states at its next keyframe") {
     const SmallGame changed(100);
     const Recording ours = must(read(record_inputs(200, {.keyframe_ticks = 50})));
     const Recording theirs = must(read(record_inputs(200, {.keyframe_ticks = 50}, changed)));
@@ -282,7 +282,7 @@ TEST_CASE("a recording of another engine is blamed, and its next keyframe testif
     CHECK(!report.differences.empty());
 }
 
-TEST_CASE("inputs that change nothing are told apart from states that differ") {
+TEST_CASE("diff distinguishes inputs without effect from states that differ") {
     MemorySink sink;
     World world = must(game.start());
     auto recorder = must(InputRecorder::begin(sink, game, world));
@@ -301,7 +301,7 @@ TEST_CASE("inputs that change nothing are told apart from states that differ") {
     CHECK(report.text.find("first differing input: tick 12, player 1: input ") != std::string::npos);
 }
 
-TEST_CASE("keyframes added afterwards are those that a recorder with the world at hand would have written") {
+TEST_CASE("keyframes that are added later equal the keyframes of a recorder that has the world") {
     for (const bool is_inputs : {true, false}) {
         const auto record = [&](std::uint64_t every) {
             return is_inputs ? record_inputs(100, {.keyframe_ticks = every})

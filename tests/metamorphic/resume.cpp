@@ -65,7 +65,7 @@ std::string restored_everywhere(const Run& run, World w) {
 
 } // namespace
 
-TEST_CASE("the runs have breaks, sleepers that wake, rides, jumps, pushes and crouching in them") {
+TEST_CASE("the runs contain breaks and sleepers that wake and rides and jumps and pushes and crouching") {
     World zoo = run_named("every kind of shape").story.start();
     zoo.restore(run_named("every kind of shape").images.back());
     CHECK(zoo.faults() == Faults{});
@@ -105,14 +105,14 @@ TEST_CASE("the runs have breaks, sleepers that wake, rides, jumps, pushes and cr
     CHECK((crouched && rode && jumped && climbed && pushed));
 }
 
-TEST_CASE("restoring any tick into the same world replays to the same hashes and events") {
+TEST_CASE("a restore of any tick into the same world replays to the same hashes and events") {
     for (const Run& run : runs()) {
         INFO(run.story.name);
         CHECK(restored_everywhere(run, run.story.start()) == "");
     }
 }
 
-TEST_CASE("restoring any tick into a world that ran something else entirely replays to the same hashes") {
+TEST_CASE("a restore of any tick into a world with another history replays to the same hashes") {
     World other = start_script(Scenery::pile);
     for (int i = 0; i < 90; ++i) step_script(other);
     for (std::uint32_t row = 0; row < other.body_count(); row += 2)
@@ -133,7 +133,8 @@ TEST_CASE("restoring any tick into a world that ran something else entirely repl
     }
 }
 
-TEST_CASE("a portable image of any tick replays to the same hashes in a world that is fresh, used or roomy") {
+TEST_CASE(
+    "a portable image of any tick replays to the same hashes in a world that is fresh or used or roomy") {
     for (const Run& run : runs()) {
         INFO(run.story.name);
         CHECK(moved(run, [&](const World& from, int number) {
@@ -151,14 +152,14 @@ TEST_CASE("a portable image of any tick replays to the same hashes in a world th
     }
 }
 
-TEST_CASE("a clone at another address goes on alike and leaves its original alone") {
+TEST_CASE("a clone at another address continues alike and does not change its original") {
     for (const Run& run : runs()) {
         INFO(run.story.name);
         CHECK(moved(run, [](const World& from, int) { return from.clone(); }) == "");
     }
 }
 
-TEST_CASE("a world goes on alike with workers, and with tasks in random order, from any tick") {
+TEST_CASE("a world continues alike from any tick with workers and with tasks in random order") {
     const auto two = make_worker_pool(2), three = make_worker_pool(3);
     test::ShuffledTasks shuffled(5);
     const std::array<Tasks*, 3> tasks{three.get(), &shuffled, two.get()};
@@ -178,8 +179,7 @@ TEST_CASE("a world goes on alike with workers, and with tasks in random order, f
     }
 }
 
-TEST_CASE(
-    "planted fault: a restore that loses a part of a column goes another way, and the column is named") {
+TEST_CASE("planted fault: the check finds a restore that loses a part of a column and names the column") {
     struct Loss {
         const char* story;
         const char* column;
@@ -227,8 +227,8 @@ TEST_CASE(
     }
 }
 
-TEST_CASE(
-    "planted fault: the memory of every kind of joint matters in some tick, and so does when it breaks") {
+TEST_CASE("planted fault: the check finds lost memory of every kind of joint in some tick and a break at a "
+          "wrong tick") {
     for (const JointVariant& v : joint_variants()) {
         INFO(std::string(v.name));
         const Run& run = run_named(v.name);
@@ -250,7 +250,8 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("planted fault: water of another density, wind of another speed and a blast left out are found") {
+TEST_CASE(
+    "planted fault: the check finds another density of water and another speed of wind and a missing blast") {
     const Run &water = run_named("water"), &blast = run_named("blast");
     World w = water.story.start(), straight = water.story.start();
     for (std::uint32_t row = 0; row < w.field_count(); ++row) {
@@ -269,7 +270,7 @@ TEST_CASE("planted fault: water of another density, wind of another speed and a 
 }
 
 TEST_CASE(
-    "phases have the same hashes and names in a run and in its replay, and observing them changes nothing") {
+    "phases have the same hashes and names in a run and in its replay and an observer changes no hash") {
     struct Names final : PhaseObserver {
         std::vector<std::string> list;
         void on_phase(const char* phase) override { list.emplace_back(phase); }
@@ -301,7 +302,7 @@ TEST_CASE(
     CHECK(of_left.list.size() == told);
 }
 
-TEST_CASE("the commands of a journal, applied to a fresh world, give the same hash after every tick") {
+TEST_CASE("the commands of a journal give a fresh world the same hash after every tick") {
     for (const Scenery scenery : sceneries) {
         INFO(std::string(name_of(scenery)));
         World w = start_script(scenery), fresh = start_script(scenery);

@@ -80,7 +80,7 @@ constexpr unsigned flush_and_rounding[] = {0x8040, 0x8040 | 0x2000, 0x4000, 0x60
 
 } // namespace
 
-TEST_CASE("every instruction set gives the bits of plain integers, in piles, stacks and bouncing crowds") {
+TEST_CASE("every instruction set gives the bits of plain integers in piles and stacks and bouncing crowds") {
     std::uint64_t contacts = 0;
     int compared = 0;
     for (Scenery scenery : sceneries) {
@@ -102,7 +102,7 @@ TEST_CASE("every instruction set gives the bits of plain integers, in piles, sta
     CHECK((compared > 0 || best_simd() == Simd::scalar));
 }
 
-TEST_CASE("planted fault: a kernel that is a little off is found out by the comparison of lanes") {
+TEST_CASE("planted fault: the comparison of lanes finds a kernel with a small error") {
     World w = start_script(Scenery::pile);
     for (int t = 0; t < 60; ++t) step_script(w);
     const Solved plain = tick_by(w, Simd::scalar);
@@ -118,7 +118,7 @@ TEST_CASE("planted fault: a kernel that is a little off is found out by the comp
                        })) != "");
 }
 
-TEST_CASE("rounding modes and flushing of denormals around a tick change nothing and are left as they were") {
+TEST_CASE("rounding modes and flushing of denormals do not change a tick and the tick does not change them") {
     for (Scenery scenery : sceneries) {
         INFO(std::string(name_of(scenery)));
         World usual = start_script(scenery), odd = start_script(scenery);
@@ -144,8 +144,7 @@ TEST_CASE("rounding modes and flushing of denormals around a tick change nothing
     }
 }
 
-TEST_CASE("ticks, saves, hashes, restores and the commands of a tick do not allocate once a scene that "
-          "reserved has "
+TEST_CASE("a tick and its commands and saves and hashes and restores do not allocate after a reserved scene "
           "warmed up") {
     for (Scenery scenery : sceneries) {
         INFO(std::string(name_of(scenery)));
@@ -175,7 +174,7 @@ TEST_CASE("ticks, saves, hashes, restores and the commands of a tick do not allo
     }
 }
 
-TEST_CASE("worlds of every scene tick without allocating what they have ticked through twice") {
+TEST_CASE("worlds of every scene do not allocate in ticks that they ran twice before") {
     for (const SceneInfo& info : scenes()) {
         INFO(std::string(info.name));
         World w = test::small_scene(info)->start().value();

@@ -6,7 +6,7 @@
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
-TEST_CASE("a world without an asset refuses a state that names it, and says which") {
+TEST_CASE("a world rejects a state or a shape whose asset it lacks and names the column or the asset") {
     const Zoo zoo = make_zoo();
     const World full = zoo_world(zoo);
     World bare = made(World::create(full.def()));
@@ -19,7 +19,7 @@ TEST_CASE("a world without an asset refuses a state that names it, and says whic
     CHECK(shape.error().message.find("asset") != std::string::npos);
 }
 
-TEST_CASE("assets added in another order, and others besides, change nothing") {
+TEST_CASE("another order of added assets and extra assets change no tick") {
     const Zoo zoo = make_zoo();
     AssetLibrary other;
     made(other.add(wave_bytes(9)));
@@ -36,7 +36,7 @@ TEST_CASE("assets added in another order, and others besides, change nothing") {
     }
 }
 
-TEST_CASE("a terrain costs a snapshot nothing: as many bytes with it as without") {
+TEST_CASE("a snapshot of a world with a terrain has as many bytes as one without") {
     std::vector<Length> heights(320 * 320);
     for (std::size_t i = 0; i < heights.size(); ++i)
         heights[i] = to<Length>(real(0.01 * static_cast<double>(i % 7)));

@@ -9,7 +9,7 @@
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
-TEST_CASE("a hundred sleepers elsewhere change no bit of what is awake here") {
+TEST_CASE("a hundred distant sleepers change no bit of awake bodies") {
     const auto run = [](int sleepers) {
         WorldDef def;
         def.contacts_max = 4096;

@@ -40,7 +40,7 @@ constexpr std::uint32_t most = 700;
 
 } // namespace
 
-TEST_CASE("a state that grows row by row is at every size the one that had all memory before") {
+TEST_CASE("a state that grows row by row equals a state with all memory at every size") {
     const Growing small = growing(0, most), large = growing(most, most);
     State grows(small.layout), has_all(large.layout);
     std::vector<std::uint32_t> sizes;
@@ -60,7 +60,7 @@ TEST_CASE("a state that grows row by row is at every size the one that had all m
     CHECK(grows.dump() == has_all.dump());
 }
 
-TEST_CASE("what grows on the way is the same whatever it was asked for before") {
+TEST_CASE("the size of a grown table depends only on its present and its requested number of rows") {
     // A function of the present and the wanted number of rows only.
     const TableInfo table{"t", 0, 1000};
     CHECK(table.grown(0) == 0);
@@ -74,7 +74,7 @@ TEST_CASE("what grows on the way is the same whatever it was asked for before") 
     CHECK((TableInfo{"t", 0xe0000000u, 0xffffffffu}.grown(0xe0000001u) == 0xffffffffu));
 }
 
-TEST_CASE("growing is no change: nothing is listed, and only what was written is hashed again") {
+TEST_CASE("growth lists no changes and does not change the hash until a row is written") {
     const Growing g = growing(0, 20000);
     State state(g.layout);
     for (const TableId table : g.tables) state.resize(table, 300);
@@ -109,7 +109,7 @@ TEST_CASE("growing is no change: nothing is listed, and only what was written is
     CHECK(state.capacity(g.tables[0]) == 5000);
 }
 
-TEST_CASE("a state takes no memory for rows that it has not") {
+TEST_CASE("a state takes no memory for rows that it does not have") {
     const Growing g = growing(0, 0xffffffffu);
     State state(g.layout);
     CHECK(state.layout().size_bytes() < 1000);

@@ -5,7 +5,7 @@
 
 namespace lockstone::test {
 
-TEST_CASE("an image fits the largest state, and the smallest") {
+TEST_CASE("an image fits the largest state and the smallest state") {
     const Sample s = make_sample();
     const State full = random_state(s, 8, 400, 100, 1), empty(s.layout);
     CHECK(full.image_bytes() == s.layout->image_bytes_max());
@@ -19,7 +19,7 @@ TEST_CASE("an image fits the largest state, and the smallest") {
     CHECK(same_bytes(state.block_bytes(), empty.block_bytes()));
 }
 
-TEST_CASE("save, restore and hash allocate nothing once the image has its size") {
+TEST_CASE("save and restore and hash allocate nothing after the image has its size") {
     const Sample s = make_sample();
     State small = random_state(s, 1, 3, 1, 5), large = random_state(s, 8, 400, 100, 6);
     Image image;
@@ -37,7 +37,7 @@ TEST_CASE("save, restore and hash allocate nothing once the image has its size")
     CHECK(sum != 0);
 }
 
-TEST_CASE("the allocation counter counts") {
+TEST_CASE("the allocation counter counts allocations") {
     const AllocationCounter counter;
     const auto number = std::make_unique<int>(1);
     const State state(make_sample().layout);

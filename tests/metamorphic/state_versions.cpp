@@ -206,8 +206,8 @@ std::string play(std::uint64_t seed, int steps, bool forget_marks) {
 
 } // namespace
 
-TEST_CASE("whatever is edited, resized, grown, saved, restored, copied and moved, "
-          "equals full copies and hashes") {
+TEST_CASE("a state that is edited or resized or grown or saved or restored or copied or moved equals a full "
+          "copy and hash") {
     const std::uint64_t seeds = std::getenv("LOCKSTONE_LONG") != nullptr ? 300 : 6;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
         const std::string failed = play(seed, 400, false);
@@ -216,8 +216,7 @@ TEST_CASE("whatever is edited, resized, grown, saved, restored, copied and moved
 }
 
 #ifdef NDEBUG
-TEST_CASE("planted fault: writes that go past edit are found by the same "
-          "random steps") {
+TEST_CASE("planted fault: the same random steps find writes without State::edit") {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) CHECK(!play(seed, 400, true).empty());
 }
 #endif

@@ -49,14 +49,14 @@ template <class Meddle> std::string rolled(Scenery scenery, Meddle&& meddle) {
 
 } // namespace
 
-TEST_CASE("every tick's hash and images are the full ones, through rollbacks") {
+TEST_CASE("the hash and the images of every tick equal full ones through rollbacks") {
     for (const Scenery scenery : sceneries) {
         const std::string failed = rolled(scenery, [](const World&) {});
         CHECK_MESSAGE(failed.empty(), name_of(scenery), ": ", failed);
     }
 }
 
-TEST_CASE("planted fault: a tick that wrote a definition past edit is found") {
+TEST_CASE("planted fault: the check finds a tick that wrote a definition without State::edit") {
     // A command of that tick may give the page a new version; then there is no error to find.
     bool found = false;
     for (std::uint64_t tick = 50; tick < 60 && !found; ++tick) {

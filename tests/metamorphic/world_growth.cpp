@@ -19,7 +19,7 @@ WorldRows limits_of(const WorldDef& d) {
 
 } // namespace
 
-TEST_CASE("worlds with other reservations agree at every tick") {
+TEST_CASE("worlds with different reservations agree at every tick") {
     World grows = start_heap(), has_all = start_heap(), between = start_heap();
     done(has_all.reserve(limits_of(has_all.def())));
     for (int t = 0; t < 50; ++t) {
@@ -43,11 +43,11 @@ TEST_CASE("worlds with other reservations agree at every tick") {
     CHECK(has_all.capacity().contacts == 16000);
 }
 
-TEST_CASE("a world whose state moves at every chance plays as one whose state stays") {
+TEST_CASE("a world whose state moves at every chance plays like a world whose state stays") {
     CHECK(test::moving_state_differs(120) == "");
 }
 
-TEST_CASE("limits cost nothing: a world of the largest definition takes a few kilobytes") {
+TEST_CASE("unused limits cost no memory: a world of the largest definition takes a few kilobytes") {
     WorldDef def;
     def.bodies_max = def.shapes_max = def.contacts_max = def.pair_filters_max = def.joints_max = 1u << 20;
     def.characters_max = def.vehicles_max = 65536, def.fields_max = 1024;
@@ -59,7 +59,7 @@ TEST_CASE("limits cost nothing: a world of the largest definition takes a few ki
     CHECK(w.clone().hash() == w.hash());
 }
 
-TEST_CASE("more than the definition's limit is not reserved, and nothing has changed") {
+TEST_CASE("a world rejects reservations above the definition's limits and does not change") {
     World w = start_heap();
     for (int t = 0; t < 10; ++t) step_heap(w);
     const std::uint64_t hash = w.hash();
@@ -83,7 +83,7 @@ TEST_CASE("more than the definition's limit is not reserved, and nothing has cha
     CHECK(w.capacity().contacts == before.contacts);
 }
 
-TEST_CASE("dropped contacts are an event of every tick in which any are") {
+TEST_CASE("a world reports dropped contacts as an event of every tick that drops some") {
     WorldDef def = small_def();
     def.contacts_max = 5;
     World w = made(World::create(def));
@@ -124,8 +124,8 @@ World crowd_of(int balls) {
 
 } // namespace
 
-TEST_CASE("a crowd whose pairs are not all looked at goes on alike from an image and on other threads, and "
-          "the game is told") {
+TEST_CASE("a crowd with unvisited pairs continues alike from an image and on other threads and reports "
+          "dropped contacts") {
     for (const int balls :
          // 2,415 pairs are listed and cut; 14,365 (until some bodies part) and 79,800 are not listed
          {70, 170, 400}) {

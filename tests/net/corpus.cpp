@@ -7,7 +7,7 @@
 
 using namespace lockstone;
 
-TEST_CASE("net corpus: it holds every seed, and no datagram of it does harm") {
+TEST_CASE("net corpus: the corpus holds every seed and no datagram of it does harm") {
     const auto seeds = fuzz::net_seeds();
     const auto all = fuzz::corpus("net", seeds);
     for (const fuzz::Seed& seed : seeds)
@@ -22,7 +22,7 @@ TEST_CASE("net corpus: it holds every seed, and no datagram of it does harm") {
     CHECK(delivered > 500);
 }
 
-TEST_CASE("net corpus: no datagram of hundreds of mutations does harm") {
+TEST_CASE("net corpus: no datagram among hundreds of mutations does harm") {
     const auto all = fuzz::corpus("net", {});
     Random random = Random::seeded(2026);
     for (std::size_t i = 0; i < fuzz::rounds(300); ++i) {
@@ -32,7 +32,7 @@ TEST_CASE("net corpus: no datagram of hundreds of mutations does harm") {
     }
 }
 
-TEST_CASE("net corpus: tokens and passes of any bytes are opened or refused with a reason") {
+TEST_CASE("net corpus: tokens and passes of any bytes open or are rejected with a reason") {
     const auto seeds = fuzz::token_seeds();
     const auto all =
         fuzz::corpus("net_token", {seeds.begin(), seeds.end() - 1}); // the last one holds a nonce

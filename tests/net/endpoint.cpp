@@ -6,7 +6,7 @@
 using namespace lockstone;
 using namespace lockstone::test;
 
-TEST_CASE("net: two players connect and each packet arrives once, as it was sent") {
+TEST_CASE("net: two players connect and each packet arrives once and unchanged") {
     Players players(2);
     REQUIRE(players.connect());
     for (std::uint8_t i = 0; i < 100; ++i) {
@@ -41,7 +41,7 @@ TEST_CASE("net: sixteen players connect in spite of 30 % loss, jitter and duplic
     CHECK(twice == 0);
 }
 
-TEST_CASE("net: a packet costs 19 bytes above what the session sends") {
+TEST_CASE("net: an endpoint adds 19 bytes to each packet of the session") {
     Players players(2);
     REQUIRE(players.connect());
     const std::uint64_t before = players[0].stats().bytes_sent;
@@ -50,7 +50,7 @@ TEST_CASE("net: a packet costs 19 bytes above what the session sends") {
     CHECK(net_overhead_bytes == 19);
 }
 
-TEST_CASE("net: the longest packet arrives, a longer one is not sent") {
+TEST_CASE("net: a packet of the maximum size arrives and an endpoint does not send a longer one") {
     Players players(2);
     REQUIRE(players.connect());
     players.send(0, 1, packet_bytes_max);
@@ -60,7 +60,7 @@ TEST_CASE("net: the longest packet arrives, a longer one is not sent") {
     CHECK(players[0].stats().over_budget == 1);
 }
 
-TEST_CASE("net: a player who starts anew with the same token is let in again, under other keys") {
+TEST_CASE("net: a player that restarts with the same token connects again under other keys") {
     Players players(2);
     REQUIRE(players.connect());
     for (const PeerId who : {PeerId{1}, PeerId{0}}) {
@@ -74,7 +74,7 @@ TEST_CASE("net: a player who starts anew with the same token is let in again, un
     }
 }
 
-TEST_CASE("net: packets that fill 70,000 numbers and a gap of 30,000 are taken") {
+TEST_CASE("net: an endpoint accepts 70,000 consecutive packets and a packet after a gap of 30,000") {
     Players players(
         2,
         {.packets_per_second = 1'000'000, .opens_per_second = 1'000'000, .bytes_per_second = 1'000'000'000});
@@ -95,7 +95,8 @@ TEST_CASE("net: packets that fill 70,000 numbers and a gap of 30,000 are taken")
     CHECK(players.taken(1).size() == 1);
 }
 
-TEST_CASE("net: what arrives out of order within the window is taken, what is older is not") {
+TEST_CASE("net: the replay window accepts packets that arrive out of order and rejects packets older than "
+          "the window") {
     Players players(2, {.packets_per_second = 1'000'000, .bytes_per_second = 1'000'000'000});
     REQUIRE(players.connect());
     std::vector<Packet> kept;
@@ -117,7 +118,7 @@ TEST_CASE("net: what arrives out of order within the window is taken, what is ol
     CHECK(refused(players[1], NetFault::replayed) == 2);
 }
 
-TEST_CASE("net: nobody else in the match can read or forge what two players send") {
+TEST_CASE("net: a third player of the match cannot read or forge packets between two players") {
     Players players(3);
     REQUIRE(players.connect());
     players.wire.keeps = true;
@@ -135,7 +136,7 @@ TEST_CASE("net: nobody else in the match can read or forge what two players send
     CHECK(refused(players[1], NetFault::unauthenticated) == 1);
 }
 
-TEST_CASE("net: the budget for sending bounds what goes out in a second") {
+TEST_CASE("net: the budget for sending limits the bytes that an endpoint sends in a second") {
     Players players(2, {.bytes_per_second = 10'000});
     REQUIRE(players.connect());
     const std::uint64_t before = players[0].stats().bytes_sent;
@@ -147,7 +148,7 @@ TEST_CASE("net: the budget for sending bounds what goes out in a second") {
     CHECK(players[0].stats().over_budget > 900);
 }
 
-TEST_CASE("net: time that goes back counts as the same") {
+TEST_CASE("net: an endpoint keeps its time when the given time goes backwards") {
     Players players(2);
     REQUIRE(players.connect());
     players[0].poll(5);

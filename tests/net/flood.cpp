@@ -36,7 +36,7 @@ void measure(const std::string& what, Target& target, const Packet& packet, bool
 
 } // namespace
 
-TEST_CASE("net: floods, measured") {
+TEST_CASE("net: a measurement prints the cost of each kind of flood") {
     Players players(2);
     players.wire.keeps = true;
     REQUIRE(players.connect());

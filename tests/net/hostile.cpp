@@ -66,7 +66,7 @@ Packet changed(Packet packet, std::size_t at) {
 
 } // namespace
 
-TEST_CASE("net: a datagram that was replayed is refused") {
+TEST_CASE("net: an endpoint rejects a datagram that was replayed") {
     Attacked a;
     const Packet packet = a.fresh();
     a.players[1].receive(a.home, packet, a.players.wire.now_ms);
@@ -76,7 +76,7 @@ TEST_CASE("net: a datagram that was replayed is refused") {
     a.still_works();
 }
 
-TEST_CASE("net: a datagram that was changed in any byte is refused") {
+TEST_CASE("net: an endpoint rejects a datagram that was changed in any byte") {
     Attacked a;
     const Packet packet = a.fresh();
     for (std::size_t at = 3; at < packet.size(); ++at)
@@ -89,13 +89,13 @@ TEST_CASE("net: a datagram that was changed in any byte is refused") {
     a.still_works();
 }
 
-TEST_CASE("net: a datagram that was forged at another address is refused as spoofed") {
+TEST_CASE("net: an endpoint rejects a datagram that was forged at another address as spoofed") {
     Attacked a;
     a.refuses(1, a.elsewhere, changed(a.fresh(), 9), NetFault::spoofed);
     a.still_works();
 }
 
-TEST_CASE("net: a datagram that is too short, too long or of no kind is refused") {
+TEST_CASE("net: an endpoint rejects a datagram that is too short or too long or of an unknown kind") {
     Attacked a;
     a.refuses(1, a.home, {}, NetFault::truncated);
     for (std::size_t size = 1; size < net_overhead_bytes; ++size)
@@ -115,7 +115,7 @@ TEST_CASE("net: a datagram that is too short, too long or of no kind is refused"
     a.still_works();
 }
 
-TEST_CASE("net: a datagram from a slot that nobody has is refused") {
+TEST_CASE("net: an endpoint rejects a datagram from a slot that belongs to no other player") {
     Attacked a;
     Packet packet = a.fresh();
     for (const int slot : {1, 2, 15}) {
@@ -125,7 +125,7 @@ TEST_CASE("net: a datagram from a slot that nobody has is refused") {
     a.still_works();
 }
 
-TEST_CASE("net: a handshake of another version or match is refused") {
+TEST_CASE("net: an endpoint rejects a handshake of another version or match") {
     Attacked a;
     for (const int kind : {1, 3}) {
         a.refuses(0, a.elsewhere, changed(a.of_kind(kind), 1), NetFault::version);
@@ -136,7 +136,8 @@ TEST_CASE("net: a handshake of another version or match is refused") {
     a.still_works();
 }
 
-TEST_CASE("net: a request without a cookie of its own address is refused before it is read") {
+TEST_CASE("net: an endpoint rejects a request without a cookie for the sender's address before it decrypts "
+          "the request") {
     Attacked a;
     const std::uint64_t opened = a.players[0].stats().opened;
     a.refuses(0, a.elsewhere, a.of_kind(3), NetFault::cookie);
@@ -148,14 +149,14 @@ TEST_CASE("net: a request without a cookie of its own address is refused before 
     CHECK(a.players[0].stats().opened == opened);
 }
 
-TEST_CASE("net: a request that is replayed, or changed behind its cookie, is refused") {
+TEST_CASE("net: an endpoint rejects a request that is replayed or changed behind its cookie") {
     Attacked a;
     a.refuses(0, address(11), a.of_kind(3), NetFault::replayed);
     a.refuses(0, address(11), changed(a.of_kind(3), 60), NetFault::unauthenticated);
     a.still_works();
 }
 
-TEST_CASE("net: answers that nobody waits for are refused") {
+TEST_CASE("net: an endpoint rejects answers that it does not expect") {
     Attacked a;
     a.refuses(1, a.home, a.of_kind(2), NetFault::unexpected);
     a.refuses(1, a.home, a.of_kind(4), NetFault::unexpected);
@@ -163,7 +164,8 @@ TEST_CASE("net: answers that nobody waits for are refused") {
     a.still_works();
 }
 
-TEST_CASE("net: a hello draws an answer that is no longer than itself, and no memory of it") {
+TEST_CASE(
+    "net: a hello draws an answer that is no longer than the hello and leaves no state at the endpoint") {
     Attacked a;
     const std::uint64_t bytes = a.players[0].stats().bytes_sent, opened = a.players[0].stats().opened;
     const Packet hello = a.of_kind(1);
@@ -177,7 +179,7 @@ TEST_CASE("net: a hello draws an answer that is no longer than itself, and no me
     a.still_works();
 }
 
-TEST_CASE("net: no datagram draws more bytes than it has from who has not proven its address") {
+TEST_CASE("net: an endpoint sends an unproven address at most as many bytes as it received from there") {
     Attacked a;
     Random random = Random::seeded(5);
     for (std::uint64_t i = 0; i < 20'000; ++i) {
@@ -194,7 +196,7 @@ TEST_CASE("net: no datagram draws more bytes than it has from who has not proven
     }
 }
 
-TEST_CASE("net: after the token's end no handshake is answered, and who is connected stays so") {
+TEST_CASE("net: after the token's end an endpoint answers no handshake and keeps its connections") {
     Attacked a;
     a.players.wire.now_ms = start_ms + 60'000;
     a.refuses(0, a.elsewhere, a.of_kind(1), NetFault::expired);
@@ -203,7 +205,7 @@ TEST_CASE("net: after the token's end no handshake is answered, and who is conne
     a.still_works();
 }
 
-TEST_CASE("net: hellos of one source and of all are answered so many times a second") {
+TEST_CASE("net: an endpoint limits its answers per second to hellos of one source and of all sources") {
     Attacked a;
     const Packet hello = a.of_kind(1);
     for (int i = 0; i < 1000; ++i) a.players[0].receive(a.elsewhere, hello, a.players.wire.now_ms);
@@ -220,7 +222,7 @@ TEST_CASE("net: hellos of one source and of all are answered so many times a sec
     a.still_works();
 }
 
-TEST_CASE("net: strangers who ask without end do not keep a player out") {
+TEST_CASE("net: strangers that flood an endpoint with hellos do not keep a player out") {
     Players players(2);
     Packet hello(24, std::byte{0});
     hello[0] = std::byte{0x11}, hello[1] = std::byte{1}, hello[2] = std::byte{77};
@@ -238,7 +240,7 @@ TEST_CASE("net: strangers who ask without end do not keep a player out") {
     CHECK(refused(players[0], NetFault::over_rate) > 1000);
 }
 
-TEST_CASE("net: packets of a peer beyond its rate are dropped") {
+TEST_CASE("net: an endpoint drops packets of a peer beyond its rate") {
     Attacked a;
     std::size_t got = 0;
     for (int i = 0; i < 2000; ++i)
@@ -248,7 +250,7 @@ TEST_CASE("net: packets of a peer beyond its rate are dropped") {
     CHECK(refused(a.players[1], NetFault::over_rate) > 1500);
 }
 
-TEST_CASE("net: a second's flood opens no more than its number of ciphertexts") {
+TEST_CASE("net: a second's flood makes an endpoint open at most its limit of ciphertexts") {
     Attacked a;
     const Packet forged = changed(a.fresh(), 9);
     const std::uint64_t before = a.players[1].stats().opened;
@@ -259,7 +261,8 @@ TEST_CASE("net: a second's flood opens no more than its number of ciphertexts") 
     a.still_works();
 }
 
-TEST_CASE("net: a player's address changes when a challenge is answered from there, and not before") {
+TEST_CASE(
+    "net: an endpoint changes a player's address only after a challenge is answered from the new address") {
     Attacked a;
     const NetAddress moved = address(10, 50'123);
     a.players.wire.move(a.home, moved);
@@ -273,7 +276,8 @@ TEST_CASE("net: a player's address changes when a challenge is answered from the
     a.still_works();
 }
 
-TEST_CASE("net: who sends a player's fresh packet from elsewhere draws one challenge and no packet more") {
+TEST_CASE("net: a fresh packet of a player that an attacker sends from elsewhere draws one challenge and no "
+          "more packets") {
     Attacked a;
     for (int i = 0; i < 50; ++i) {
         const Packet stolen = a.fresh(); // under way to player 1, which gets it from elsewhere
@@ -302,7 +306,7 @@ TEST_CASE("net: an older packet from elsewhere does not draw a challenge") {
     CHECK(a.players.taken(1).size() == 2);
 }
 
-TEST_CASE("net: a challenge that is answered from elsewhere, or late, or not asked for, proves nothing") {
+TEST_CASE("net: a challenge that is answered from elsewhere does not change a player's address") {
     Attacked a;
     const NetAddress moved = address(10, 50'123);
     a.players[1].receive(moved, a.fresh(), a.players.wire.now_ms);
@@ -317,7 +321,8 @@ TEST_CASE("net: a challenge that is answered from elsewhere, or late, or not ask
     CHECK(a.players[1].stats().paths_changed == 0);
 }
 
-TEST_CASE("net: a player of the match who takes another's place is not let in without that one's key") {
+TEST_CASE(
+    "net: a player that claims another's place in the match cannot connect without the key of that place") {
     Players players(3);
     ConnectToken stolen = players.tokens[2];
     stolen.slot = 1, stolen.public_keys[1] = public_key_of(stolen.secret);

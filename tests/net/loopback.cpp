@@ -144,7 +144,7 @@ static MatchPlan plan_through(const SocketRelay& first, const SocketRelay& secon
     return plan;
 }
 
-TEST_CASE("net: a relay is lost in the middle of a match, and three machines go on through the second one") {
+TEST_CASE("net: three machines continue through the second relay when the first one fails during a match") {
     SocketRelay first, second;
     MatchPlan plan = plan_through(first, second);
     const Outcome out = play(plan, {&first, &second}, 400);
@@ -163,8 +163,7 @@ TEST_CASE("net: a relay is lost in the middle of a match, and three machines go 
 }
 
 TEST_CASE(
-    "net: the machine that opened the match is lost, and the others go on through the relay from what was "
-    "confirmed") {
+    "net: when the opener of a match fails the others continue from the confirmed ticks through the relay") {
     SocketRelay relay;
     MatchPlan plan = plan_of(3);
     plan.addresses = free_addresses(3);
@@ -178,8 +177,8 @@ TEST_CASE(
     CHECK(std::ranges::equal(out.hashes[0], std::span(out.hashes[1]).first(out.hashes[0].size())));
 }
 
-TEST_CASE("net: the machine that opened the match is lost with the relay that it ran: the others go on "
-          "through the second one, and there it comes back") {
+TEST_CASE("net: when the opener fails with its own relay the others continue at the second one and it "
+          "rejoins there") {
     SocketRelay first, second;
     MatchPlan plan = plan_through(first, second);
     const Outcome out = play(plan, {&first, &second}, 400, 400, 1000);
@@ -196,7 +195,7 @@ TEST_CASE("net: the machine that opened the match is lost with the relay that it
     CHECK(lost.hashes[0].empty());
 }
 
-TEST_CASE("net: the comparison of hashes can fail: those of another game are others") {
+TEST_CASE("net: the comparison of hashes can fail because another game has other hashes") {
     // The negative control of the two tests above: the comparison can fail.
     const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 2}).value();
     const auto other = make_scene("rollback-arena", {.size = 0, .seed = 2, .players = 2}).value();
@@ -213,8 +212,8 @@ TEST_CASE("net: the comparison of hashes can fail: those of another game are oth
     CHECK(a.hashes != c.hashes);
 }
 
-TEST_CASE("net: a socket takes IPv4 and IPv6, gives nothing when nothing is there, and says why it cannot be "
-          "opened") {
+TEST_CASE("net: a socket supports IPv4 and IPv6, returns nothing when it is empty and reports why it cannot "
+          "be opened") {
     UdpSocket a = UdpSocket::open(any_port).value(), b = UdpSocket::open(any_port).value();
     CHECK_FALSE(a.receive());
     const Packet bytes(30, std::byte{5});

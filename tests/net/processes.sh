@@ -53,9 +53,9 @@ refused() { # WORDS ARGUMENT...: checks that the relay ends with status 2 and pr
 echo 12 >"$work/short"
 refused "none" --key "$work/none"
 refused "a key is 64 hexadecimal digits" --key "$work/short"
-refused "is there already" --key "$work/short" --new-key
+refused "exists already" --key "$work/short" --new-key
 refused "is no address" --key "$work/new" --new-key --address everywhere
-refused "go together" --key "$work/new1" --new-key --second 127.0.0.1:9
+refused "give both, or neither" --key "$work/new1" --new-key --second 127.0.0.1:9
 refused "has no port" --key "$work/new2" --new-key --second 127.0.0.1:0 --second-key "$work/short"
 wait_for() { # WORD NAME: returns when the output of process NAME has a line that begins with WORD, or after 30 s
     for _ in $(seq 300); do

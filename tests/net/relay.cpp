@@ -41,7 +41,7 @@ struct Relayed : Players {
 
 } // namespace
 
-TEST_CASE("net: players of a relay connect, and no datagram goes between their own addresses") {
+TEST_CASE("net: players connect through a relay and send no datagram between their own addresses") {
     Relayed players(4);
     REQUIRE(players.connect());
     players.send(3, 1, 50);
@@ -55,7 +55,7 @@ TEST_CASE("net: players of a relay connect, and no datagram goes between their o
     CHECK(players.relay.counters().matches == 1);
 }
 
-TEST_CASE("net: what a relay changes is refused, and it cannot say who sent it") {
+TEST_CASE("net: an endpoint rejects a packet whose bytes or sender a relay changes") {
     Relayed players(3);
     REQUIRE(players.connect());
     players.send(0, 1);
@@ -75,7 +75,7 @@ TEST_CASE("net: what a relay changes is refused, and it cannot say who sent it")
     CHECK(players.taken(1).size() == 1);
 }
 
-TEST_CASE("net: a relay forwards only for whoever it has let in, within the match, and within the rate") {
+TEST_CASE("net: a relay forwards only packets of admitted players within the match and within the rate") {
     Relayed players(2, {.packets_per_second = 300});
     REQUIRE(players.connect());
     const std::uint64_t before = players.relay.counters().forwarded;
@@ -94,7 +94,7 @@ TEST_CASE("net: a relay forwards only for whoever it has let in, within the matc
     CHECK(players.refused_there(NetFault::over_rate) >= 700);
 }
 
-TEST_CASE("net: a pass lets in from the address that was proven, with the player's key, until its end") {
+TEST_CASE("net: a pass lets in a player with its key from a proven address until the pass expires") {
     Relayed players;
     REQUIRE(players.connect());
     const Packet request = players.of_kind(14);
@@ -129,7 +129,7 @@ TEST_CASE("net: a pass lets in from the address that was proven, with the player
     CHECK(players.refused_there(NetFault::expired) > 0);
 }
 
-TEST_CASE("net: a player whose address changes is let in again, and the match goes on") {
+TEST_CASE("net: a relay admits a player again after its address changes and the match continues") {
     Relayed players;
     REQUIRE(players.connect());
     players.wire.move(address(10), address(40));
@@ -141,7 +141,7 @@ TEST_CASE("net: a player whose address changes is let in again, and the match go
     CHECK(players.relay.counters().players == 2);
 }
 
-TEST_CASE("net: a relay forgets who is silent, and takes no more matches than it may") {
+TEST_CASE("net: a relay removes silent players and admits no more matches than its limit") {
     Relayed players(2, {.matches_max = 1});
     REQUIRE(players.connect());
     MatchPlan other = relayed(2);
@@ -158,7 +158,8 @@ TEST_CASE("net: a relay forgets who is silent, and takes no more matches than it
     CHECK(players.relay.counters().players == 0);
 }
 
-TEST_CASE("net: one address begins so many matches at a relay, and others begin theirs") {
+TEST_CASE(
+    "net: a relay limits the matches that one address begins and other addresses can still begin theirs") {
     Wire wire;
     Relay relay(relay_secret, {.matches_per_source = 2}, start_ms);
     wire.attach(relay_at, relay);
@@ -179,7 +180,7 @@ TEST_CASE("net: one address begins so many matches at a relay, and others begin 
     CHECK(relay.counters().matches == 3);
 }
 
-TEST_CASE("net: a flood of hellos at a relay is answered so many times a second") {
+TEST_CASE("net: a relay limits its answers per second to a flood of hellos") {
     Relay relay(relay_secret, {}, start_ms);
     Packet hello(24, std::byte{0});
     hello[0] = std::byte{0xc0}, hello[1] = std::byte{1};
@@ -223,7 +224,8 @@ struct Lobby {
 
 } // namespace
 
-TEST_CASE("net: a code brings three players together, who then connect through the relay") {
+TEST_CASE(
+    "net: three players with the same code receive tokens from the lobby and connect through the relay") {
     Lobby lobby;
     LobbyClient& host = lobby.ask("", 3);
     REQUIRE(host.code().size() == 8);
@@ -245,7 +247,7 @@ TEST_CASE("net: a code brings three players together, who then connect through t
 }
 
 TEST_CASE(
-    "net: who met by a code may come back with its token as long as the match may last, and not later") {
+    "net: a player from the lobby can return with its token as long as the match may last and not later") {
     constexpr std::uint64_t minute_ms = 60'000;
     for (const std::uint64_t minutes : {11u, 25u}) {
         Lobby lobby;
@@ -276,7 +278,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("net: the lobby says why it refuses, and takes no orders from who does not know its key") {
+TEST_CASE("net: the lobby reports why it rejects a request and ignores clients without its key") {
     Lobby lobby;
     CHECK(lobby.ask("ABCDEFGH", 0).refusal() == "the lobby knows no such code, or it has expired");
     CHECK(lobby.ask("ABC", 0).refusal() == "a code has 8 letters");
@@ -292,7 +294,8 @@ TEST_CASE("net: the lobby says why it refuses, and takes no orders from who does
     CHECK(lobby.relay.counters().rooms == 0);
 }
 
-TEST_CASE("net: one address opens so many rooms, from whatever ports, and others open theirs") {
+TEST_CASE(
+    "net: the lobby limits the rooms that one address opens at any ports and others can still open theirs") {
     Lobby lobby;
     const auto from_one = [&](std::uint32_t port, std::string_view code) -> LobbyClient& {
         const NetAddress from = address(99, static_cast<std::uint16_t>(port));
@@ -315,7 +318,7 @@ TEST_CASE("net: one address opens so many rooms, from whatever ports, and others
     CHECK(lobby.relay.counters().rooms == 0);
 }
 
-TEST_CASE("net: one network opens so many rooms, and others open theirs") {
+TEST_CASE("net: the lobby limits the rooms that one network opens and others can still open theirs") {
     Lobby lobby;
     lobby.relay = Relay(relay_secret, {.rooms_per_source = 2, .rooms_per_network = 4}, start_ms);
     const auto opens = [&](const NetAddress& from) { return !lobby.ask_from(from, "", 2).code().empty(); };
@@ -336,7 +339,7 @@ TEST_CASE("net: one network opens so many rooms, and others open theirs") {
     CHECK(opens(wide));
 }
 
-TEST_CASE("net: the last quarter of a lobby is kept for newcomers") {
+TEST_CASE("net: the lobby reserves the last quarter of its rooms for newcomers") {
     Lobby lobby;
     lobby.relay = Relay(relay_secret, {.rooms_max = 8, .rooms_per_source = 8}, start_ms);
     std::uint32_t opened = 0;
@@ -348,7 +351,7 @@ TEST_CASE("net: the last quarter of a lobby is kept for newcomers") {
     CHECK(lobby.ask_from(address(23), "", 2).refusal() == "the lobby has no room for another match");
 }
 
-TEST_CASE("net: a room closes when its players have gone, and stays while they wait") {
+TEST_CASE("net: a room closes when its players have gone and stays open while they wait") {
     Lobby lobby;
     const std::string left = lobby.ask("", 2).code();
     lobby.wire.detach(address(50));
@@ -359,7 +362,7 @@ TEST_CASE("net: a room closes when its players have gone, and stays while they w
     CHECK(lobby.ask(waiting.code(), 0).token());
 }
 
-TEST_CASE("net: no lobby answer is longer than its request, and rooms are bounded") {
+TEST_CASE("net: the lobby sends no more bytes than it receives and rooms are bounded") {
     Lobby lobby;
     lobby.relay = Relay(relay_secret, {.rooms_max = 2}, start_ms);
     lobby.ask("", 2), lobby.ask("", 2);

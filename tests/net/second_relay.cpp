@@ -51,7 +51,7 @@ struct TwoRelays : Players {
 
 } // namespace
 
-TEST_CASE("net: while a relay is there, the second one is left alone") {
+TEST_CASE("net: players do not use the second relay while the first one works") {
     TwoRelays match;
     REQUIRE(match.connect());
     CHECK(match.longest_silence(10'000) <= 100);
@@ -59,7 +59,8 @@ TEST_CASE("net: while a relay is there, the second one is left alone") {
     for (PeerId slot = 0; slot < 3; ++slot) CHECK(match[slot].stats().paths_changed == 0);
 }
 
-TEST_CASE("net: when the relay is lost all meet at the second one, within a session's patience, and stay") {
+TEST_CASE("net: when the relay is lost all players meet at the second one within a session's timeout and "
+          "stay there") {
     TwoRelays match;
     REQUIRE(match.connect());
     match.longest_silence(2000);
@@ -72,7 +73,7 @@ TEST_CASE("net: when the relay is lost all meet at the second one, within a sess
     for (PeerId slot = 0; slot < 3; ++slot) CHECK(match[slot].address_of((slot + 1) % 3) == second_at);
 }
 
-TEST_CASE("net: without a second relay a lost one is the end of it") {
+TEST_CASE("net: without a second relay the players lose each other when the only relay fails") {
     // The planted fault of the test above.
     MatchPlan plan = twice_relayed(3);
     plan.second_relay = {};
@@ -83,7 +84,7 @@ TEST_CASE("net: without a second relay a lost one is the end of it") {
     CHECK(match.longest_silence(10'000) > 9000);
 }
 
-TEST_CASE("net: a single player who loses the way to the relay meets the others at the second one") {
+TEST_CASE("net: a single player that loses its path to the relay meets the others at the second one") {
     TwoRelays match;
     REQUIRE(match.connect());
     match.longest_silence(2000);
@@ -96,8 +97,8 @@ TEST_CASE("net: a single player who loses the way to the relay meets the others 
     CHECK(match[0].address_of(1) == second_at);
 }
 
-TEST_CASE("net: a match begins at the second relay where the first never was, and comes back when the second "
-          "is lost") {
+TEST_CASE("net: a match begins at the second relay if the first is down and moves to the first if the second "
+          "fails") {
     TwoRelays match(2);
     match.wire.detach(first_at);
     REQUIRE(match.connect(6000));
@@ -108,7 +109,7 @@ TEST_CASE("net: a match begins at the second relay where the first never was, an
     CHECK(match[0].address_of(1) == first_at);
 }
 
-TEST_CASE("net: two seconds there and back are no loss: they connect at the first relay and stay") {
+TEST_CASE("net: players with a latency of two seconds there and back connect and stay at the first relay") {
     TwoRelays match(2);
     match.wire.latency_ms = 500; // from a player to the relay, and from there to the other
     REQUIRE(match.connect(20'000));
@@ -120,7 +121,8 @@ TEST_CASE("net: two seconds there and back are no loss: they connect at the firs
     }
 }
 
-TEST_CASE("net: what comes past both relays is a stranger's, also when it is a copy of what was sent") {
+TEST_CASE(
+    "net: an endpoint counts a packet that comes past both relays as a stranger's even if it is a copy") {
     TwoRelays match(2);
     match.wire.keeps = true;
     REQUIRE(match.connect());
@@ -135,7 +137,7 @@ TEST_CASE("net: what comes past both relays is a stranger's, also when it is a c
     CHECK(match[1].address_of(0) == first_at);
 }
 
-TEST_CASE("net: a lobby names the second relay, with passes that are good there") {
+TEST_CASE("net: a lobby names the second relay in its tokens and their passes are valid there") {
     Wire wire;
     Relay first(first_secret, {.second = second_at, .second_secret = second_secret}, start_ms),
         second(second_secret, {}, start_ms);

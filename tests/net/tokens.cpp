@@ -17,7 +17,7 @@ std::string trouble(const Packet& bytes, const NetKey& with = key, std::uint64_t
 
 } // namespace
 
-TEST_CASE("net: a token that was sealed opens as it was") {
+TEST_CASE("net: a sealed token opens with unchanged fields") {
     MatchPlan plan = plan_of(5);
     plan.addresses[2] = parse_address("[2001:db8::7]:80").value();
     const auto tokens = make_tokens(plan).value();
@@ -33,7 +33,8 @@ TEST_CASE("net: a token that was sealed opens as it was") {
     }
 }
 
-TEST_CASE("net: a token opens with its key, in its time, whole and unchanged, and else says why not") {
+TEST_CASE("net: a complete unchanged token opens with its key before its end, otherwise open_token() returns "
+          "why not") {
     const ConnectToken token = make_tokens(plan_of(2)).value()[0];
     const Packet sealed = seal_token(token, key);
     CHECK(trouble(sealed) == "");
@@ -56,14 +57,15 @@ TEST_CASE("net: a token opens with its key, in its time, whole and unchanged, an
     CHECK(trouble(longer) == "the connect token was not sealed with this key, or was changed since");
 }
 
-TEST_CASE("net: a token names two relays with a key and a pass for each, and then no player's address") {
+TEST_CASE("net: a token names two relays with a key and a pass for each and contains no player's address") {
     MatchPlan plan = plan_of(16);
     plan.relay = address(1), plan.relay_secret = random_key(), plan.relay_expires_ms = start_ms + 60'000;
     plan.second_relay = address(2), plan.second_relay_secret = random_key();
     MatchPlan timeless = plan;
     timeless.relay_expires_ms = 0;
     REQUIRE_FALSE(make_tokens(timeless));
-    CHECK(make_tokens(timeless).error().message == "relay_expires_ms is 0: the relay would reject every player");
+    CHECK(make_tokens(timeless).error().message ==
+          "relay_expires_ms is 0: the relay would reject every player");
     const ConnectToken token = make_tokens(plan).value()[3];
     const Packet sealed = seal_token(token, key);
     CHECK(sealed.size() <= 1138); // the space in a lobby's answer
@@ -79,7 +81,7 @@ TEST_CASE("net: a token names two relays with a key and a pass for each, and the
     CHECK_FALSE(open_pass(opened.pass, plan.second_relay_secret, start_ms));
 }
 
-TEST_CASE("net: a token with a field out of range is refused though it is authentic") {
+TEST_CASE("net: open_token() rejects an authentic token with a field out of range") {
     ConnectToken token = make_tokens(plan_of(2)).value()[0];
     token.slot = 2;
     CHECK(trouble(seal_token(token, key)).find("slot 2 of 2") != std::string::npos);
@@ -89,7 +91,7 @@ TEST_CASE("net: a token with a field out of range is refused though it is authen
     CHECK(trouble(seal_token(token, key)).find("a pass of 300 bytes") != std::string::npos);
 }
 
-TEST_CASE("net: an endpoint refuses a token that cannot be one") {
+TEST_CASE("net: an endpoint rejects an invalid token and reports the field") {
     const ConnectToken good = make_tokens(plan_of(2)).value()[0];
     const auto complaint = [](ConnectToken token) {
         const auto made = Endpoint::create(token, {}, start_ms);
@@ -113,7 +115,7 @@ TEST_CASE("net: an endpoint refuses a token that cannot be one") {
     CHECK(complaint(token) == "ConnectToken::second_relay needs a first one, at another address");
 }
 
-TEST_CASE("net: plans that make no match are refused") {
+TEST_CASE("net: make_tokens() rejects invalid match plans") {
     CHECK_FALSE(make_tokens(plan_of(1)));
     CHECK_FALSE(make_tokens(plan_of(17)));
     MatchPlan plan = plan_of(2);
@@ -127,7 +129,7 @@ TEST_CASE("net: plans that make no match are refused") {
     CHECK_FALSE(make_tokens(plan));
 }
 
-TEST_CASE("net: addresses and keys are written and read as text") {
+TEST_CASE("net: addresses and keys convert to text and back") {
     for (const char* text : {"192.0.2.7:7777", "[2001:db8::7]:1", "0.0.0.0:0", "[::]:65535"})
         CHECK(to_string(parse_address(text).value()) == text);
     for (const char* text : {"", "192.0.2.7", "192.0.2.7:", "192.0.2.7:65536", "192.0.2:1", "host:1",

@@ -41,7 +41,7 @@ struct Watched {
 
 } // namespace
 
-TEST_CASE("net: each who watches is alone with the door: packets go to and fro by place") {
+TEST_CASE("net: a door exchanges packets with each spectator separately by its place") {
     Watched net;
     for (std::uint8_t i = 0; i < 5; ++i) net.come(static_cast<std::uint8_t>(20 + i));
     net.wire.run(1000);
@@ -65,7 +65,8 @@ TEST_CASE("net: each who watches is alone with the door: packets go to and fro b
     }
 }
 
-TEST_CASE("net: nobody without a token draws an answer from a door, nor with another's address") {
+TEST_CASE(
+    "net: no sender without a token draws an answer from a door even with a copy of a spectator's packet") {
     Watched net;
     net.come(20);
     net.wire.run(1000);
@@ -90,7 +91,8 @@ TEST_CASE("net: nobody without a token draws an answer from a door, nor with ano
     CHECK(net.taken().empty());
 }
 
-TEST_CASE("net: a door has so many places, and one that is silent for long is free again") {
+TEST_CASE(
+    "net: a door limits its places and the place of a spectator that is silent for long becomes free again") {
     Watched net(2);
     net.come(20), net.come(21);
     const auto refused = net.door.let_in(net.wire.now_ms);
@@ -111,7 +113,7 @@ TEST_CASE("net: a door has so many places, and one that is silent for long is fr
 }
 
 TEST_CASE(
-    "net: who watches from another address comes in again with its token, and the old address is nobody's") {
+    "net: a spectator from another address enters again with its token and its old address loses the place") {
     Watched net;
     Endpoint& watcher = net.come(20);
     net.wire.run(1000);
@@ -126,7 +128,7 @@ TEST_CASE(
     CHECK(watcher.next_packet());
 }
 
-TEST_CASE("net: a door that cannot be one is refused") {
+TEST_CASE("net: a door with an invalid definition is rejected") {
     const auto complaint = [](const WatchDoorDef& def) {
         const auto made = WatchDoor::create(def, start_ms);
         return made ? std::string() : made.error().message;

@@ -101,7 +101,7 @@ std::uint64_t bytes_sent_with(std::uint32_t count) {
 
 } // namespace
 
-TEST_CASE("net: fifty watch over 127.0.0.1 through a relay, all see every tick, and the player sends no more "
+TEST_CASE("net: fifty spectators see every tick through a relay on 127.0.0.1 and the player sends no more "
           "than for one") {
     const std::uint64_t for_one = bytes_sent_with(1), for_fifty = bytes_sent_with(50);
     CHECK(for_fifty * 100 <= for_one * bytes_bound_percent);
@@ -134,8 +134,7 @@ struct Guest {
 
 } // namespace
 
-TEST_CASE(
-    "net: by one code as many come as there are places, each to one of its own, and nobody by another code") {
+TEST_CASE("net: a door admits one spectator to each of its places by one code and none by another code") {
     constexpr std::uint32_t places = 6;
     const NetKey secret = random_key();
     UdpWatchDoor opened =
@@ -184,7 +183,7 @@ TEST_CASE(
     CHECK(taken == places);
 }
 
-TEST_CASE("net: three hundred behind one address come by one code before any of them loses its patience") {
+TEST_CASE("net: three hundred spectators behind one address enter by one code before any of them times out") {
     constexpr std::uint32_t count = 300;
     constexpr std::uint64_t patience_ms = 5000; // the demo's timeout for a relay that does not answer
     const NetKey secret = random_key();

@@ -129,7 +129,7 @@ constexpr ShapeKind primitives[] = {ShapeKind::sphere, ShapeKind::capsule, Shape
 
 } // namespace
 
-TEST_CASE("a ray meets a primitive where double precision says") {
+TEST_CASE("a ray hits a primitive where double precision computes the hit") {
     Solids solids;
     for (const ShapeKind kind : primitives) {
         const Tally t = shoot(solids, kind, false, 1, samples(quick, thorough), undamaged);
@@ -143,7 +143,7 @@ TEST_CASE("a ray meets a primitive where double precision says") {
     }
 }
 
-TEST_CASE("a ray meets a rounded primitive where double precision says") {
+TEST_CASE("a ray hits a rounded primitive where double precision computes the hit") {
     Solids solids;
     for (const ShapeKind kind : {ShapeKind::cylinder, ShapeKind::cone, ShapeKind::box}) {
         const Tally t = shoot(solids, kind, true, 1, samples(quick / 3, thorough / 3), undamaged);
@@ -153,7 +153,7 @@ TEST_CASE("a ray meets a rounded primitive where double precision says") {
     }
 }
 
-TEST_CASE("planted: a wrong distance, normal or verdict of a ray is noticed") {
+TEST_CASE("planted: the test detects a wrong distance or normal or verdict of a ray") {
     Solids solids;
     const auto wrong = [&](auto&& damage) {
         return shoot(solids, ShapeKind::cone, false, 1, 300, damage).wrong;

@@ -157,7 +157,7 @@ constexpr auto undamaged = [](bool&, CastHit&) {};
 
 } // namespace
 
-TEST_CASE("a moving convex shape stops where it first touches another") {
+TEST_CASE("a moving convex shape stops where it first touches another shape") {
     const Tally t = cast_many(samples(1500, 40000), undamaged);
     INFO(t.first);
     CHECK(t.wrong == 0);
@@ -166,7 +166,7 @@ TEST_CASE("a moving convex shape stops where it first touches another") {
     CHECK(t.starts > 0);
 }
 
-TEST_CASE("planted: a wrong cast of a shape is noticed") {
+TEST_CASE("planted: the test detects a wrong cast of a shape") {
     CHECK(cast_many(200, [](bool&, CastHit& hit) { hit.distance += decimal<Coordinate>("0.0005"); }).wrong >
           20);
     CHECK(cast_many(200, [](bool&, CastHit& hit) {
@@ -176,7 +176,7 @@ TEST_CASE("planted: a wrong cast of a shape is noticed") {
     CHECK(cast_many(200, [](bool&, CastHit& hit) { hit.normal = -hit.normal; }).wrong > 20);
 }
 
-TEST_CASE("the nearest points of two convex shapes are proved by a plane between them") {
+TEST_CASE("a plane between two convex shapes proves their nearest points") {
     RandomCast random{std::mt19937_64(99)};
     Solids solids;
     collide::NarrowScratch scratch;

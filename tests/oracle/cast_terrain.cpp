@@ -195,7 +195,7 @@ double to_triangle(V p, const std::array<V, 3>& t) {
 
 } // namespace
 
-TEST_CASE("a ray meets the first front of a mesh or height field, near and over kilometres") {
+TEST_CASE("a ray hits the first front side of a mesh or height field at short range and over kilometres") {
     RandomCast random{std::mt19937_64(1)};
     Solids solids;
     int hits = 0;
@@ -209,7 +209,7 @@ TEST_CASE("a ray meets the first front of a mesh or height field, near and over 
     CHECK(hits > 3 * count / 2);
 }
 
-TEST_CASE("planted: a late, early or missing hit on a mesh is noticed") {
+TEST_CASE("planted: the test detects a late or early or missing hit on a mesh") {
     Solids solids;
     const auto said = [&](auto&& damage) {
         RandomCast random{std::mt19937_64(2)};
@@ -223,11 +223,13 @@ TEST_CASE("planted: a late, early or missing hit on a mesh is noticed") {
     CHECK(said([](bool& found, CastHit&) { found = true; }) != "");
 }
 
-TEST_CASE("no ray slips through a shared edge or corner") { CHECK(slips(0, samples(4000, 100000)) == 0); }
+TEST_CASE("a ray never slips through a shared edge or corner") {
+    CHECK(slips(0, samples(4000, 100000)) == 0);
+}
 
 TEST_CASE("planted: rays slip through a mesh with cracks") { CHECK(slips(0.001, 4000) > 0); }
 
-TEST_CASE("a ray meets a hull where its triangles are, and a compound where its parts are") {
+TEST_CASE("a ray hits a hull at its triangles and a compound at its parts") {
     RandomCast random{std::mt19937_64(4)};
     Solids solids;
     collide::NarrowScratch scratch;

@@ -133,7 +133,7 @@ double fcl_time(const Case& c) {
 
 } // namespace
 
-TEST_CASE("a time of impact is never late and not early") {
+TEST_CASE("a time of impact is never late and rarely early") {
     const Tally t = check_many(samples(400, 10000), 0);
     CHECK(t.late == 0);
     CHECK(t.early <= t.cases / 500); // the steps run out for shapes that turn beside each other for long
@@ -141,7 +141,7 @@ TEST_CASE("a time of impact is never late and not early") {
     CHECK(t.cases - t.impacts > t.cases / 10);
 }
 
-TEST_CASE("planted: a late or early time of impact is noticed") {
+TEST_CASE("planted: the test detects a late or early time of impact") {
     CHECK(check_many(200, 0.01).late > 20);
     CHECK(check_many(200, -0.01).early > 20);
 }

@@ -212,7 +212,7 @@ std::vector<std::pair<ConvexKind, ConvexKind>> pairs_to_run() {
 
 } // namespace
 
-TEST_CASE("every pair of convex kinds is right in every pose, and near FCL's opinion") {
+TEST_CASE("manifolds of every pair of convex kinds are right in every pose and close to FCL's results") {
     const bool whole = std::getenv("LOCKSTONE_LONG") != nullptr;
     const HullPool pool(77);
     FclHulls fcl;
@@ -271,7 +271,7 @@ bool leave(ConvexScene&, shapes::Hull&) { return true; }
 
 } // namespace
 
-TEST_CASE("a wrong radius, a flipped normal and a lost corner are noticed") {
+TEST_CASE("the manifold check detects a wrong radius and a flipped normal and a lost corner") {
     const auto flip = [](collide::Manifold& m) { m.normal = -m.normal; };
     const auto lift = [](collide::Manifold& m) {
         for (collide::ManifoldPoint& p : m.points) p.separation -= decimal<Separation>("0.002");
@@ -315,7 +315,7 @@ TEST_CASE("a wrong radius, a flipped normal and a lost corner are noticed") {
     }
 }
 
-TEST_CASE("a plane's wrong normal, depth, place and number of points are noticed") {
+TEST_CASE("the plane check detects a wrong normal and depth and place and number of points") {
     struct {
         const char* what;
         void (*spoil)(collide::Manifold&);

@@ -303,7 +303,7 @@ TEST_CASE("the kernels of every instruction set solve contacts as the scalar ref
     }
 }
 
-TEST_CASE("planted faults: a reference that differs in one number parts from the kernels") {
+TEST_CASE("planted faults: a reference that differs in one number gives other results than the kernels") {
     const auto parts = [](Fault fault) {
         int found = 0;
         for (std::uint64_t seed = 1; seed <= 40; ++seed)

@@ -193,8 +193,8 @@ Geometry any_primitive(Random& random) {
 
 } // namespace
 
-TEST_CASE("mass, inertia and volume of every primitive of 2.5 mm to 100 m, at every scale, are right to "
-          "their last bits") {
+TEST_CASE("mass and inertia and volume of primitives of 2.5 mm to 100 m at every scale are right to the last "
+          "bits") {
     Random random = Random::seeded(7);
     const int tries = std::getenv("LOCKSTONE_LONG") != nullptr ? 100000 : 2000;
     int failures = 0;
@@ -215,7 +215,7 @@ TEST_CASE("mass, inertia and volume of every primitive of 2.5 mm to 100 m, at ev
 }
 
 TEST_CASE(
-    "cubes of 10,700 to 21,500 cubic metres have their volume, whose mass at 100,000 kg/m^3 takes 63 bits") {
+    "cubes of 10700 to 21500 m^3 have the right volume although their mass at 100000 kg/m^3 takes 63 bits") {
     for (int i = 0; i <= 120; ++i) {
         const Real half_edge = Real(11) + Real(i) / Real(40); // 10,648 to 21,952 m^3
         CHECK(complaint(box(half_edge, half_edge, half_edge), Real(1)) == "");
@@ -232,7 +232,7 @@ TEST_CASE("rounded cones of millimetres are as exact as those of metres") {
             }
 }
 
-TEST_CASE("planted fault: a cylinder's inertia in 64 bits and a volume of a lost bit are noticed") {
+TEST_CASE("planted fault: the test detects a cylinder's inertia in 64 bits and a volume with a lost bit") {
     const Geometry g = cylinder(Real(1), Real(95));
     const MassProperties good = mass_properties(g, Real(1));
     const shapes::Scaled volume = shapes::volume_of({.geometry = g});
@@ -252,7 +252,7 @@ TEST_CASE("planted fault: a cylinder's inertia in 64 bits and a volume of a lost
 }
 
 TEST_CASE(
-    "numbers of 62 bits stay so: what rounds up to 2^62, and raw values of 63 bits, divide like any other") {
+    "scaled() keeps mantissas below 2^62 and values of 63 bits or that round up to 2^62 divide like others") {
     using shapes::Scaled;
     using shapes::scaled;
     constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();

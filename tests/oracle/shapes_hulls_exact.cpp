@@ -141,8 +141,8 @@ Result<Hull> any_hull(Random& random) {
 
 } // namespace
 
-TEST_CASE("mass, centre and inertia of hulls of 5 mm to 200 m, flat, long and far off, are right to their "
-          "last bits") {
+TEST_CASE("mass and centre and inertia of flat and long and far hulls of 5 mm to 200 m are right to the last "
+          "bits") {
     Random random = Random::seeded(11);
     const int wanted = std::getenv("LOCKSTONE_LONG") != nullptr ? 20000 : 400;
     int made = 0;
@@ -156,7 +156,7 @@ TEST_CASE("mass, centre and inertia of hulls of 5 mm to 200 m, flat, long and fa
     CHECK(made == wanted);
 }
 
-TEST_CASE("volumes of rounded hulls are right to 4e-9 of themselves") {
+TEST_CASE("volumes of rounded hulls are right to a relative error of 4e-9") {
     // Angles between faces have 32 fraction bits; the normals have 30.
     Random random = Random::seeded(12);
     for (int i = 0; i < 400; ++i) {
@@ -171,7 +171,7 @@ TEST_CASE("volumes of rounded hulls are right to 4e-9 of themselves") {
     }
 }
 
-TEST_CASE("planted fault: a mass, a centre and an inertia that are off by little are noticed") {
+TEST_CASE("planted fault: the test detects a mass or a centre or an inertia that is slightly off") {
     Random random = Random::seeded(13);
     for (int i = 0; i < 40; ++i) {
         const Result<Hull> hull = any_hull(random);

@@ -9,7 +9,7 @@
 using namespace reference_tests;
 using reference::Build, reference::SideBySide;
 
-TEST_CASE("two blocks fly alike until they touch something, within 1 cm") {
+TEST_CASE("two blocks fly alike within 1 cm in both engines until they touch something") {
     SideBySide both = SideBySide::create(reference::make_compare_scene("two-blocks").value()).value();
     std::uint64_t flown = 0;
     for (bool touched = false; !touched;) {
@@ -39,7 +39,7 @@ struct InTheAir {
 
 } // namespace
 
-TEST_CASE("two blocks that meet in the air keep their momentum, in both engines") {
+TEST_CASE("two blocks that meet in the air keep their momentum in both engines") {
     bool their_ground = false, their_impact = false;
     const reference::Settings settings{.on_contacts = [&](std::vector<reference::Contact>& contacts) {
         for (const reference::Contact& c : contacts) (c.a == 0 ? their_ground : their_impact) = true;
@@ -72,7 +72,7 @@ TEST_CASE("two blocks that meet in the air keep their momentum, in both engines"
     CHECK(ours.worst <= 1e-3);   // 20 kg times a few steps of a velocity, 2^-19 m/s
 }
 
-TEST_CASE("each scene of compare runs in both") {
+TEST_CASE("each scene of compare runs in both engines") {
     for (const reference::CompareScene& scene : reference::compare_scenes()) {
         CAPTURE(std::string(scene.name));
         SideBySide both = SideBySide::create(reference::make_compare_scene(scene.name).value()).value();
@@ -83,15 +83,14 @@ TEST_CASE("each scene of compare runs in both") {
     }
 }
 
-TEST_CASE("an unknown scene is refused with the names of those there are") {
+TEST_CASE("an unknown scene gives an error that names the known scenes") {
     const auto game = reference::make_compare_scene("orbitt");
     REQUIRE(!game);
     CHECK(game.error().message.find("two-blocks, stack, pile, domino, orbit, top, pyramid") !=
           std::string::npos);
 }
 
-TEST_CASE(
-    "a build with other flags parts from the same sources; an equal one does not, and neither does ours") {
+TEST_CASE("a reference build with other flags diverges but an equal build and our engine do not") {
     const auto game = reference::make_compare_scene("two-blocks").value();
     const auto drift = [&](Build build, Build against) {
         return reference::drift_of(*game, {}, build, against, 120).value();
@@ -109,7 +108,7 @@ TEST_CASE(
     CHECK(!reference::our_drift(*game, 120).value().parts_at);
 }
 
-TEST_CASE("single precision parts from double") {
+TEST_CASE("single precision diverges from double precision") {
     const auto game = reference::make_compare_scene("two-blocks").value();
     CHECK(reference::drift_of(*game, {}, Build::float_plain, Build::double_plain, 30).value().parts_at);
 }

@@ -23,7 +23,7 @@ TEST_CASE("two equal spheres that meet head-on part at the coefficient of restit
     }
 }
 
-TEST_CASE("two balls that overlap are moved apart by their inverse masses (formula 4)") {
+TEST_CASE("the reference engine moves two overlapping balls apart by their inverse masses (formula 4)") {
     Stage stage(weightless());
     stage.add({.pose = at(0_r, 0_r, 0_r)}, {.geometry = sphere(0.5_r), .density = 1000_r});
     stage.add({.pose = at(0.9_r, 0_r, 0_r)}, {.geometry = sphere(0.5_r), .density = 3000_r});
@@ -80,7 +80,7 @@ double rebound(double e, double height, bool box_ground) {
 } // namespace
 
 TEST_CASE(
-    "a box that is dropped flat rises again to e^2 of the height from one contact point, to less from four") {
+    "a box that is dropped flat rebounds to e^2 of its height from one contact point and to less from four") {
     for (const double e : {0.3, 0.5, 0.8}) {
         CAPTURE(e);
         // The impact is detected up to a step late, and Euler-Cromer rises v h / 2 less than a parabola.
@@ -125,7 +125,7 @@ double change_of_angular_momentum(Vec3 spin, const reference::Settings& settings
 
 } // namespace
 
-TEST_CASE("a box that spins about a principal axis keeps its angular momentum, by every integrator") {
+TEST_CASE("a box that spins about a principal axis keeps its angular momentum by every integrator") {
     using reference::Integrator;
     for (const Integrator integrator : {Integrator::semi_implicit_euler, Integrator::verlet,
                                         Integrator::velocity_verlet, Integrator::runge_kutta_4}) {
@@ -134,7 +134,8 @@ TEST_CASE("a box that spins about a principal axis keeps its angular momentum, b
     }
 }
 
-TEST_CASE("a box that tumbles keeps it with the term w x I w, and not as the thesis has it") {
+TEST_CASE(
+    "a tumbling box keeps its angular momentum with the term w x I w but not with the thesis' listing") {
     const Vec3 spin{1_r, 4_r, 2_r};
     CHECK(change_of_angular_momentum(
               spin, {.integrator = reference::Integrator::runge_kutta_4, .gyroscopic = true}) <= 1e-4);
@@ -168,8 +169,7 @@ TEST_CASE("two boxes that meet off their centres keep momentum and angular momen
     CHECK(after.kinetic < before.kinetic);
 }
 
-TEST_CASE("integrators differ by their order on a fall: Euler-Cromer and Verlet by g t h / 2, the others not "
-          "at all") {
+TEST_CASE("in a fall Euler-Cromer and Verlet are off by g t h / 2 and the other integrators are exact") {
     using reference::Integrator;
     const double t = 1, h = 1.0 / 60, exact = -9.81 * t * t / 2;
     const auto fallen = [&](Integrator integrator) {
@@ -185,7 +185,7 @@ TEST_CASE("integrators differ by their order on a fall: Euler-Cromer and Verlet 
     CHECK(fallen(Integrator::runge_kutta_4) == lockstone::test::about(exact, 1e-8));
 }
 
-TEST_CASE("damping leaves d of a velocity after a second") {
+TEST_CASE("damping multiplies a velocity by exp(-damping) in a second") {
     Stage stage(weightless());
     stage.add({.linear_velocity = {3_r, 0_r, 0_r},
                .angular_velocity = {0_r, 2_r, 0_r},

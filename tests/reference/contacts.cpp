@@ -83,7 +83,7 @@ double height_after(const Assets& assets, const Dropped& dropped, const Geometry
 
 } // namespace
 
-TEST_CASE("its contacts are FCL's") {
+TEST_CASE("the reference engine has the contacts of FCL") {
     Stage stage(weightless());
     stage.add({}, {.geometry = box(0.5_r, 0.5_r, 0.5_r)});
     stage.add({.pose = at(0.2_r, 0.95_r, 0.1_r)}, {.geometry = sphere(0.5_r)});
@@ -98,7 +98,8 @@ TEST_CASE("its contacts are FCL's") {
     CHECK(length(ours.normal + reference::Vec{theirs.normal.x(), theirs.normal.y(), theirs.normal.z()}) == 0);
 }
 
-TEST_CASE("it has no others: without FCL's contacts a ball falls through the ground") {
+TEST_CASE(
+    "the reference engine has no other contacts: without FCL's contacts a ball falls through the ground") {
     Stage stage;
     stage.ground();
     stage.add({.pose = at(0_r, 1_r, 0_r)}, {.geometry = sphere(0.5_r)});
@@ -112,7 +113,7 @@ TEST_CASE("it has no others: without FCL's contacts a ball falls through the gro
     }
 }
 
-TEST_CASE("every shape that FCL has is held by a plane and by a box") {
+TEST_CASE("a plane and a box hold every shape that FCL has") {
     const Assets assets;
     for (const Dropped& dropped : bodies_of(assets)) {
         CAPTURE(dropped.name);
@@ -121,7 +122,7 @@ TEST_CASE("every shape that FCL has is held by a plane and by a box") {
     }
 }
 
-TEST_CASE("every shape that FCL has is held by a mesh and by a height field") {
+TEST_CASE("a mesh and a height field hold every shape that FCL has") {
     const Assets assets;
     for (const Dropped& dropped : bodies_of(assets)) {
         CAPTURE(dropped.name);
@@ -130,7 +131,7 @@ TEST_CASE("every shape that FCL has is held by a mesh and by a height field") {
     }
 }
 
-TEST_CASE("a contact with a mesh is the same whichever of the two bodies was there first") {
+TEST_CASE("a contact with a mesh does not depend on the order in which the two bodies were added") {
     const Assets assets;
     const Transform leaning{{0.3_r, 0.35_r, 0.2_r},
                             from_axis_angle(UnitVec3{unit_one, Unit{}, Unit{}}, 0.3_r)};
@@ -151,7 +152,7 @@ TEST_CASE("a contact with a mesh is the same whichever of the two bodies was the
     CHECK(pushed[1].y >= 1 - 1e-6);
 }
 
-TEST_CASE("what FCL or the thesis lacks is refused in a sentence") {
+TEST_CASE("the reference engine rejects features that FCL or the thesis lacks and names the reason") {
     const auto refusal = [](const World& world, const reference::Settings& settings = {}) {
         const Result<Engine> engine = Engine::create(world, settings);
         return engine ? std::string() : engine.error().message;

@@ -43,7 +43,8 @@ int deepest_of(std::span<const reference::Contact> contacts, bool last) {
 
 } // namespace
 
-TEST_CASE("the deepest contact is resolved first, and of equal ones the one with the lower ids") {
+TEST_CASE(
+    "the reference engine resolves the deepest contact first and equal contacts in the order of their ids") {
     const Stage stage = overlapping({0.01_r, 0.03_r, 0.02_r, 0.03_r});
     reference::Settings settings = strict();
     settings.position_epsilon = 1e-6;
@@ -54,7 +55,7 @@ TEST_CASE("the deepest contact is resolved first, and of equal ones the one with
     CHECK(order_of(engine.resolved(), false) == std::vector<int>{1, 3, 2, 0});
 }
 
-TEST_CASE("the fastest approach is resolved first, after all positions") {
+TEST_CASE("the reference engine resolves the fastest approach first after it has resolved all positions") {
     Stage stage(weightless());
     Real z{};
     for (const Real speed : {1_r, 3_r, 2_r, 3_r}) {
@@ -74,8 +75,8 @@ TEST_CASE("the fastest approach is resolved first, after all positions") {
         std::ranges::is_partitioned(engine.resolved(), [](const Resolved& done) { return !done.velocity; }));
 }
 
-TEST_CASE(
-    "in a pile, too, it begins with the deepest; taking the last of equal ones would be another order") {
+TEST_CASE("in a pile the deepest contact is resolved first and taking the last of equal contacts changes the "
+          "order") {
     auto both =
         reference::SideBySide::create(reference::make_compare_scene("pile", {.size = 30}).value()).value();
     Stage tied = overlapping({0.02_r, 0.02_r});
@@ -93,7 +94,7 @@ TEST_CASE(
     CHECK(order_of(twin.resolved(), false)[0] != deepest_of(twin.contacts(), true));
 }
 
-TEST_CASE("iterations end where nothing is above epsilon, and at the most that is allowed") {
+TEST_CASE("iterations end when no contact is above epsilon or at the iteration limit") {
     const Stage stage = overlapping({0.01_r, 0.03_r, 0.02_r, 0.03_r});
     reference::Settings settings = strict();
     settings.position_epsilon = 0.015;
@@ -106,7 +107,7 @@ TEST_CASE("iterations end where nothing is above epsilon, and at the most that i
     CHECK(order_of(hurried.resolved(), false) == std::vector<int>{1, 3});
 }
 
-TEST_CASE("a contact that another one moved is updated") {
+TEST_CASE("the reference engine updates a contact that another contact has moved") {
     // Three balls in a row, the middle one squeezed: resolving one side deepens the other.
     Stage stage(weightless());
     for (const Real x : {0_r, 0.96_r, 1.9_r})

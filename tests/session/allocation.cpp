@@ -27,7 +27,7 @@ std::uint64_t allocations_of_frames(bool lockstep) {
 
 } // namespace
 
-TEST_CASE("a thousand frames of a lossy match allocate nothing") {
+TEST_CASE("a thousand frames of a lossy match allocate no memory") {
     CHECK(allocations_of_frames(/*lockstep=*/true) == 0);
     CHECK(allocations_of_frames(/*lockstep=*/false) == 0);
 }

@@ -33,7 +33,7 @@ Match match_with_fault(std::uint64_t bad_tick, std::uint64_t seed, bool lockstep
 
 } // namespace
 
-TEST_CASE("a machine that goes wrong is found by both, at the tick where it went wrong, once") {
+TEST_CASE("both machines report a desync once and at the tick where one machine goes wrong") {
     for (const std::uint64_t bad_tick : {0u, 1u, 77u, 300u}) {
         for (const bool lockstep : {false, true}) {
             CAPTURE(bad_tick);
@@ -57,7 +57,7 @@ TEST_CASE("a machine that goes wrong is found by both, at the tick where it went
     }
 }
 
-TEST_CASE("the twin without the fault is not accused") {
+TEST_CASE("a match without the fault reports no desync") {
     for (const bool lockstep : {false, true}) {
         Match match = match_with_fault(~std::uint64_t{0}, 5, lockstep);
         match.run(700);

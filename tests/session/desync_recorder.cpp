@@ -107,7 +107,7 @@ Outcome play(bool aside) {
 } // namespace
 
 TEST_CASE(
-    "a recording of commands outlives a desync: the tick is run again aside, and the recording verifies") {
+    "a recording of commands verifies after a desync when the tick is simulated again on a separate world") {
     const Outcome out = play(true);
     REQUIRE(out.report);
     CHECK(out.report->tick == 60);
@@ -122,7 +122,7 @@ TEST_CASE(
     CHECK(out.ticks > 200);
 }
 
-TEST_CASE("where the tick is run again on the world itself, the recording is lost, and says why") {
+TEST_CASE("a recording fails and reports why when the tick is simulated again on the played world itself") {
     // The planted fault: the inquiry cannot run a tick aside, so the recording must fail.
     const Outcome out = play(false);
     REQUIRE(out.report);

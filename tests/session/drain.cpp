@@ -35,7 +35,7 @@ std::vector<std::size_t> confirmed_at_the_end(Match& match, bool drains) {
 
 } // namespace
 
-TEST_CASE("a match that is drained is recorded to its last tick on every machine") {
+TEST_CASE("every machine records a drained match to its last tick") {
     for (const bool lockstep : {false, true})
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
             CAPTURE(lockstep);
@@ -58,7 +58,7 @@ TEST_CASE("without draining, the record of a match ends before its last tick") {
     for (const std::size_t ticks : confirmed_at_the_end(match, false)) CHECK(ticks < match_ticks);
 }
 
-TEST_CASE("a sync test that is drained has confirmed every tick") {
+TEST_CASE("a drained sync test confirms every tick") {
     SessionDef def;
     def.input_size = input_size_of<Pad>;
     def.players = {0};

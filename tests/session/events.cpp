@@ -65,7 +65,7 @@ template <class Spoil> bool law_holds(std::uint64_t seed, Spoil&& spoil) {
 
 } // namespace
 
-TEST_CASE("a ledger reports the events of a tick that runs again and again") {
+TEST_CASE("the event ledger reports the events of a tick that is resimulated several times") {
     struct Run {
         std::vector<Event> events; ///< of tick 0
         std::uint64_t confirmed_end;
@@ -115,7 +115,8 @@ TEST_CASE("the confirmed event carries the values of the last run") {
     CHECK(told[0].event.point.x == Real(3));
 }
 
-TEST_CASE("joints that break in one tick are told in their order, whichever bodies they held") {
+TEST_CASE(
+    "the event ledger reports joints that break in one tick in joint order whatever bodies they connect") {
     EventLedger ledger(8);
     Event events[2] = {event_of(0, 0, 3), event_of(0, 0, 1)};
     for (std::uint32_t i = 0; i < 2; ++i) events[i].kind = EventKind::joint_break, events[i].joint = {i, 1};
@@ -126,31 +127,31 @@ TEST_CASE("joints that break in one tick are told in their order, whichever bodi
     for (std::uint32_t i = 0; i < 2; ++i) CHECK(told[i].event.joint == events[i].joint);
 }
 
-TEST_CASE("two joints that break in one tick of a session are told") {
+TEST_CASE("a session reports two joints that break in one tick") {
     const Snapped snapped = run_snap_game();
     CHECK(snapped.joints.size() == 2);
     CHECK(snapped.told == snapped.joints);
 }
 
-TEST_CASE("a session takes every two kinds of events that happen in one tick") {
+TEST_CASE("a session accepts every pair of event kinds that happens in one tick") {
     const Busy busy = run_busy_game(400);
     CHECK(busy.pairs.missing() == "");
     CHECK(busy.happened > 1000);
     CHECK(busy.told >= busy.happened);
 }
 
-TEST_CASE("every predicted event ends exactly once, over random timelines") {
+TEST_CASE("every predicted event ends exactly once in random timelines") {
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
         CHECK(law_holds(seed, [](const SessionEvent&) { return false; }));
 }
 
-TEST_CASE("the law catches one cancel that is not told") {
+TEST_CASE("the check of event endings finds one cancelled event that is not reported") {
     std::uint32_t cancels = 0;
     CHECK_FALSE(law_holds(
         1, [&](const SessionEvent& e) { return e.status == EventStatus::cancelled && ++cancels == 50; }));
 }
 
-TEST_CASE("both machines of a match confirm the same events, each predicted one ended once") {
+TEST_CASE("both machines of a match confirm the same events and end each predicted event once") {
     Match match({.link = {.latency_ms = 80, .jitter_ms = 20, .loss_permille = 50}});
     match.run(2000);
     for (PeerId id = 0; id < 2; ++id) {

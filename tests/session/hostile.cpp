@@ -6,14 +6,14 @@
 using namespace lockstone;
 using namespace lockstone::test;
 
-TEST_CASE("no lie of one machine parts, stops or slows down the honest ones") {
+TEST_CASE("a machine that lies does not desynchronize, stop or slow down the honest machines") {
     for (const HostileScene& scene : hostile_scenes()) {
         CAPTURE(std::string(scene.name));
         CHECK(scene.run() == "");
     }
 }
 
-TEST_CASE("a peer leaves at once between two, and among three when the others want it to") {
+TEST_CASE("drop_peer() removes one of two machines at once and one of three when both others call it") {
     Match two({.link = {.latency_ms = 40}});
     two.run(60);
     REQUIRE(two.machine(0).session->drop_peer(1).ok());
@@ -42,7 +42,7 @@ TEST_CASE("a peer leaves at once between two, and among three when the others wa
     }
 }
 
-TEST_CASE("a machine that is alone with its opinion stops with a sentence") {
+TEST_CASE("a machine that receives no packets reports a stop or a disconnection and the others continue") {
     HostileMatch h(4);
     h.match.run(200);
     for (PeerId other = 0; other < 3; ++other) h.match.network.set_link(other, 3, {.loss_permille = 1000});

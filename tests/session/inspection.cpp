@@ -151,7 +151,7 @@ static std::string named_wrongly(const SceneMatch& match, const Flip& flip) {
     return {};
 }
 
-TEST_CASE("a flipped bit is named at both machines: tick, column, row, field and both values") {
+TEST_CASE("both machines name the tick, column, row, field and both values of a flipped bit") {
     for (const Flip& flip : {Flip{150, "body.velocity", 7, 1, true}, Flip{30, "body.pose", 3, 2, true},
                              Flip{0, "body_traits.row", 1, 0, true}, Flip{200, "body.sleep", 4, 0, true},
                              Flip{101, "body.velocity", 9, 4, false}}) {
@@ -170,7 +170,7 @@ TEST_CASE("a flipped bit is named at both machines: tick, column, row, field and
     }
 }
 
-TEST_CASE("a runner that takes another one's place is asked, and not forgotten with it") {
+TEST_CASE("a session inspects a runner that replaces another one even after the old runner is destroyed") {
     const Flip flip{150, "body.velocity", 7, 1, true};
     SceneMatch match(flip);
     for (SceneMatch::Side& side : match.sides) // makes the new runner before it destroys the old one
@@ -179,7 +179,7 @@ TEST_CASE("a runner that takes another one's place is asked, and not forgotten w
     CHECK(named_wrongly(match, flip) == "");
 }
 
-TEST_CASE("planted: a runner that is asked no more leaves a desync without a report") {
+TEST_CASE("planted: a session that drops the inspector of its runner leaves a desync without a report") {
     const Flip flip{150, "body.velocity", 7, 1, true};
     SceneMatch match(flip);
     for (SceneMatch::Side& side : match.sides) side.session->drop_inspector(side.runner->inspector());
@@ -187,7 +187,7 @@ TEST_CASE("planted: a runner that is asked no more leaves a desync without a rep
     CHECK(named_wrongly(match, flip) != "");
 }
 
-TEST_CASE("rules that push differently are named by the first phase that differs") {
+TEST_CASE("a report names the first phase that differs when two machines push by different rules") {
     SceneMatch match({100, "", 0, 0, true});
     match.run(340);
     for (PeerId id = 0; id < 2; ++id) {
@@ -227,7 +227,7 @@ class BlindInspector final : public StateInspector {
 
 } // namespace
 
-TEST_CASE("planted: a comparison that skips the column names nothing, and the check above says so") {
+TEST_CASE("planted: a comparison that skips the column does not name it and the check above reports that") {
     const Flip flip{60, "body.velocity", 7, 1, true};
     SceneMatch match(flip);
     std::array<BlindInspector, 2> blind;
@@ -240,7 +240,7 @@ TEST_CASE("planted: a comparison that skips the column names nothing, and the ch
     CHECK(named_wrongly(match, flip) == "machine 0: other columns");
 }
 
-TEST_CASE("a desync longer ago than states are kept names its tick alone") {
+TEST_CASE("a session whose stored states are unavailable reports a desync by its tick only") {
     const Flip flip{60, "body.velocity", 7, 1, true};
     SceneMatch match(flip);
     for (SceneMatch::Side& side : match.sides) side.session->set_inspector(nullptr);
@@ -274,7 +274,7 @@ constexpr session::PacketContext context{0x1234, 2, 4};
 
 } // namespace
 
-TEST_CASE("whoever asks without end is answered 64 kB, one packet a poll") {
+TEST_CASE("an inspection answers endless questions with 64 kB in total and one packet per poll") {
     session::Inspection inspection = inspection_of(sample_state(1));
     std::size_t sent = 0;
     for (std::uint32_t i = 0; i < 100'000; ++i) {
@@ -287,7 +287,7 @@ TEST_CASE("whoever asks without end is answered 64 kB, one packet a poll") {
     CHECK(sent <= session::inspection_bytes_max + packet_bytes_max);
 }
 
-TEST_CASE("whoever never answers is asked some times, and the report says that it is not complete") {
+TEST_CASE("an inspection without answers sends 40 questions and returns a report that is not complete") {
     session::Inspection inspection = inspection_of(sample_state(1));
     int asked = 0, polls = 0;
     std::optional<DesyncReport> report;
@@ -302,7 +302,8 @@ TEST_CASE("whoever never answers is asked some times, and the report says that i
     CHECK_FALSE(inspection.take_report());
 }
 
-TEST_CASE("no answer of any bytes breaks an inspection, nor lets it take more than 64 kB") {
+TEST_CASE(
+    "an inspection survives answers of any bytes and its report stays within its limit of differences") {
     test::SplitMix random(5);
     std::size_t complete = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -337,7 +338,7 @@ TEST_CASE("no answer of any bytes breaks an inspection, nor lets it take more th
     CHECK(complete < 1950);
 }
 
-TEST_CASE("questions and answers that break the format are refused for what is wrong") {
+TEST_CASE("read_inspection() rejects malformed questions and answers with the matching fault") {
     std::vector<std::byte> buffer;
     const Question asked{7, Topic::rows, 1, 2, 3};
     const std::vector<std::byte> content(20);

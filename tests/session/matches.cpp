@@ -51,13 +51,14 @@ TEST_CASE("lockstep on a lossy network confirms the same inputs and hashes, with
     CHECK(match.machine(0).events.count(EventStatus::confirmed) > 0);
 }
 
-TEST_CASE("four players on three machines agree, though their windows of knowledge differ") {
+TEST_CASE(
+    "four players on three machines agree although the machines receive the inputs at different times") {
     Match match({.players = {0, 1, 1, 2}, .machines = 3, .link = lossy});
     match.run(3000);
     check_agreement(match, 2000);
 }
 
-TEST_CASE("the same seed gives the same match, packet by packet") {
+TEST_CASE("a seed determines a match packet by packet") {
     const auto play = [](std::uint64_t seed) {
         Match match({.link = lossy, .seed = seed});
         match.run(1000);
@@ -69,7 +70,7 @@ TEST_CASE("the same seed gives the same match, packet by packet") {
     CHECK(play(11) != play(12));
 }
 
-TEST_CASE("a machine that is ahead is told to wait until both are level") {
+TEST_CASE("a machine that is ahead slows down until both machines are level") {
     Match match({.link = {.latency_ms = 50}});
     match.run(60);
     for (int i = 0; i < 6; ++i) match.frame(/*asleep: machine 1*/ 2);
@@ -85,7 +86,7 @@ TEST_CASE("a machine that is ahead is told to wait until both are level") {
     CHECK(match.machine(0).session->quality(1).ping_ms <= 140);
 }
 
-TEST_CASE("the input delay may change at any tick, differently on each machine") {
+TEST_CASE("machines agree while each of them changes its input delay differently") {
     Match match({.link = lossy});
     for (std::uint32_t i = 0; i < 40; ++i) {
         match.machine(i % 2).session->set_input_delay(i * 7 % 12);
@@ -94,7 +95,7 @@ TEST_CASE("the input delay may change at any tick, differently on each machine")
     check_agreement(match, 1000);
 }
 
-TEST_CASE("players of a machine that falls silent are disconnected at the tick where their inputs end") {
+TEST_CASE("a session disconnects the players of a silent machine at the tick where their inputs end") {
     Match match({.disconnect_ms = 1000, .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100}});
     match.run(300);
     match.network.unplug(1);
@@ -115,7 +116,7 @@ TEST_CASE("players of a machine that falls silent are disconnected at the tick w
     CHECK(run_straight(match.machine(0).timeline, 2, straight) == ticks.back().hash);
 }
 
-TEST_CASE("machines that remain agree on the tick where a player left, though they heard different numbers "
+TEST_CASE("machines that remain agree on the tick where a player left though they received different numbers "
           "of inputs") {
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         CAPTURE(seed);
@@ -140,7 +141,7 @@ TEST_CASE("machines that remain agree on the tick where a player left, though th
     }
 }
 
-TEST_CASE("the machine that hears of a departure before it has all inputs waits for them") {
+TEST_CASE("a machine that learns of a departure waits for the inputs that it still lacks") {
     Match match({.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 60}});
     match.run(300);
     // Machine 0 receives machine 2 a second late, and never its last packets. Machine 1 receives all and times out
@@ -159,7 +160,7 @@ TEST_CASE("the machine that hears of a departure before it has all inputs waits 
     CHECK(match.machine(0).session->stats().dropped[static_cast<std::size_t>(PacketFault::implausible)] == 0);
 }
 
-TEST_CASE("a machine that is not heard any more is told so") {
+TEST_CASE("a machine whose packets no longer arrive receives a notice of its disconnection") {
     Match match({.disconnect_ms = 1000, .link = {.latency_ms = 60}});
     match.run(300);
     match.network.set_link(1, 0, {.loss_permille = 1000});
@@ -169,7 +170,7 @@ TEST_CASE("a machine that is not heard any more is told so") {
     CHECK(match.notices<PlayerDisconnected>(1).size() == 1);
 }
 
-TEST_CASE("a machine that cannot hear another one holds the match up, and the others go on without it") {
+TEST_CASE("a machine that cannot receive another one stalls the match and the others drop it and continue") {
     Match match({.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 60}});
     match.run(300);
     match.network.set_link(2, 0, {.loss_permille = 1000});
@@ -183,8 +184,8 @@ TEST_CASE("a machine that cannot hear another one holds the match up, and the ot
     CHECK(match.machine(1).timeline.ticks.size() > 600);
 }
 
-TEST_CASE(
-    "sixteen players with the widest inputs, fifteen on one machine, get through packets that hold a few") {
+TEST_CASE("sixteen players with the widest inputs and fifteen on one machine advance by packets that hold a "
+          "few inputs") {
     SimulatedNetwork network(2, {.latency_ms = 20}, 1);
     SessionDef def;
     def.input_size = input_bytes_max;
@@ -216,7 +217,7 @@ TEST_CASE(
     CHECK(sessions[0]->stats().packets_dropped == 0);
 }
 
-TEST_CASE("machines of another match or line-up are told of, and never understood") {
+TEST_CASE("a session reports a machine of another match or line-up and drops all its packets") {
     SimulatedNetwork network(2, {}, 1);
     SessionDef def;
     def.input_size = 4;

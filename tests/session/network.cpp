@@ -42,7 +42,8 @@ TEST_CASE("a plain link delivers everything in order after its latency") {
         CHECK(got[i] == std::pair<std::uint64_t, std::uint32_t>{i + 40, i});
 }
 
-TEST_CASE("losses, repeats, jitter and overtaking happen as often as asked, and the same for the same seed") {
+TEST_CASE(
+    "a link loses, repeats, delays and reorders packets at the given rates and equally for equal seeds") {
     const LinkDef link{.latency_ms = 30, .jitter_ms = 20, .loss_permille = 200, .duplicate_permille = 100};
     const auto got = arrivals(link, 5, 10'000);
     CHECK(got.size() > 8500);
@@ -59,7 +60,7 @@ TEST_CASE("losses, repeats, jitter and overtaking happen as often as asked, and 
     CHECK(got != arrivals(link, 6, 10'000));
 }
 
-TEST_CASE("a link can be changed, and an endpoint unplugged") {
+TEST_CASE("an unplugged endpoint neither sends nor receives and other links still deliver") {
     SimulatedNetwork network(3, {}, 1);
     const std::array bytes{std::byte{1}};
     network.unplug(1);
@@ -74,7 +75,7 @@ TEST_CASE("a link can be changed, and an endpoint unplugged") {
     CHECK(network.counters().lost == 2);
 }
 
-TEST_CASE("inputs are little-endian bytes of their leaves and read back as they were") {
+TEST_CASE("inputs are encoded as little-endian bytes of their leaves and decode to the same values") {
     const Mixed wide{Real::from_raw(-2), 0x01020304, -300, {9, 10}};
     constexpr std::uint32_t size = input_size_of<Mixed>;
     CHECK(size == 16);

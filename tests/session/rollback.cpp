@@ -76,14 +76,14 @@ struct Pair {
 
 } // namespace
 
-TEST_CASE("a tick that rests on a guess is saved before it runs") {
+TEST_CASE("a session saves a tick with predicted inputs before the tick runs") {
     Pair pair(8);
     CHECK(pair.step(0, 1) == "S0 A0cp");
     CHECK(pair.step(0, 1) == "S1 A1cp");
 }
 
-TEST_CASE("a wrong guess loads the state before it and runs up to the present again, saving what still rests "
-          "on guesses") {
+TEST_CASE("a wrong prediction loads the state before it, resimulates to the present and saves ticks still "
+          "predicted") {
     Pair pair(8);
     for (unsigned i = 0; i < 5; ++i) pair.step(0, 1);
     pair.step(1, 0); // tick 0 as predicted
@@ -96,7 +96,7 @@ TEST_CASE("a wrong guess loads the state before it and runs up to the present ag
     CHECK(pair.sessions[0]->stats().depth_max == 4);
 }
 
-TEST_CASE("right guesses confirm ticks without running anything again") {
+TEST_CASE("correct predictions confirm ticks without resimulation") {
     Pair pair(8);
     for (unsigned i = 0; i < 3; ++i) pair.step(0, 1);
     for (unsigned i = 0; i < 3; ++i) pair.step(1, 0);
@@ -107,7 +107,7 @@ TEST_CASE("right guesses confirm ticks without running anything again") {
     CHECK(pair.confirmed(0) == std::vector<std::uint64_t>{0, 1, 2});
 }
 
-TEST_CASE("a tick whose inputs are all here is not saved") {
+TEST_CASE("a session does not save a tick whose inputs are all confirmed") {
     Pair pair(8);
     pair.input(1, 3);
     pair.poll(1);
@@ -115,8 +115,7 @@ TEST_CASE("a tick whose inputs are all here is not saved") {
     CHECK(pair.step(0, 1) == "A0cc");
 }
 
-TEST_CASE("the session stalls when as many ticks as allowed rest on guesses, and corrects the past while it "
-          "stalls") {
+TEST_CASE("a session stalls at the limit of predicted ticks and corrects the past while it stalls") {
     Pair pair(3);
     for (unsigned i = 0; i < 3; ++i) CHECK(pair.step(0, 1) != "");
     pair.input(0, 1);
@@ -131,12 +130,12 @@ TEST_CASE("the session stalls when as many ticks as allowed rest on guesses, and
     CHECK(pair.step(0, 1) == "");
 }
 
-TEST_CASE("without the local input there is no tick") {
+TEST_CASE("a session runs no tick without the local input") {
     Pair pair(8);
     CHECK(pair.sessions[0]->advance().stall == Stall::local_input_missing);
 }
 
-TEST_CASE("lockstep runs a tick when all its inputs are here, never before, and never saves") {
+TEST_CASE("lockstep runs a tick only after all its inputs arrive and never saves") {
     Pair pair(0, 2);
     CHECK(pair.step(0, 1) == ""); // machine 1 has sent nothing for tick 0
     pair.input(1, 1);
@@ -160,7 +159,7 @@ TEST_CASE("a local input acts after the input delay") {
     CHECK(seen == std::vector<unsigned>{0, 0, 0, 1, 2, 3});
 }
 
-TEST_CASE("an input repeated before its tick has run is ignored: the first may be on its way") {
+TEST_CASE("a session ignores a second input for a tick because the first may be on its way") {
     Pair pair(8);
     pair.input(0, 1);
     pair.input(0, 2);
@@ -168,7 +167,7 @@ TEST_CASE("an input repeated before its tick has run is ignored: the first may b
     CHECK(std::get<Advance>(step.requests.back()).inputs[0].bytes[0] == std::byte{1});
 }
 
-TEST_CASE("players that are all local need no network and confirm every tick at once") {
+TEST_CASE("a session with only local players sends no packets and confirms every tick at once") {
     SimulatedNetwork network(1, {}, 1);
     SessionDef def;
     def.input_size = 4;
@@ -187,7 +186,7 @@ TEST_CASE("players that are all local need no network and confirm every tick at 
     CHECK(session->stats().packets_sent == 0);
 }
 
-TEST_CASE("definitions out of range are refused with the field's name") {
+TEST_CASE("a session rejects a definition out of range and names the field") {
     SimulatedNetwork network(1, {}, 1);
     const auto refused = [&](auto change, const char* field) {
         SessionDef def;

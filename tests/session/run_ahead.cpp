@@ -6,14 +6,14 @@
 using namespace lockstone;
 using namespace lockstone::test;
 
-TEST_CASE("a match that is shown ahead confirms, and tells of, the same as one that is not") {
+TEST_CASE("a match with run-ahead confirms and reports the same as one without") {
     for (const HostileScene& scene : run_ahead_scenes()) {
         CAPTURE(std::string(scene.name));
         CHECK(scene.run() == "");
     }
 }
 
-TEST_CASE("going on from what is shown ahead is noticed") {
+TEST_CASE("the check finds a match that continues from a state of run-ahead") {
     // The planted fault: one column keeps its value of the shown tick when the runner restores the present one.
     MatchDef def{.players = {0}, .machines = 1, .input_delay = 0};
     def.column_left_out = "agent.motion";
@@ -21,7 +21,7 @@ TEST_CASE("going on from what is shown ahead is noticed") {
     CHECK(shown_ahead(def, 2) == "what is confirmed is not what it is without");
 }
 
-TEST_CASE("what is shown is what comes when the present input is held") {
+TEST_CASE("run-ahead shows the state that follows when the present input is held") {
     for (std::uint32_t ahead = 1; ahead <= run_ahead_limit; ++ahead) {
         AheadMatch match({.players = {0}, .machines = 1, .input_delay = 0, .run_ahead = ahead});
         Arena expected(1);
@@ -41,7 +41,7 @@ TEST_CASE("what is shown is what comes when the present input is held") {
     }
 }
 
-TEST_CASE("with an input delay the inputs that are known are shown before the last one is held") {
+TEST_CASE("run-ahead with an input delay uses the known inputs before it holds the last one") {
     AheadMatch match({.players = {0}, .machines = 1, .input_delay = 2, .run_ahead = 4}),
         plain({.players = {0}, .machines = 1, .input_delay = 2});
     match.play(100), plain.play(102); // ticks 100 and 101 run on inputs that are given already
@@ -54,7 +54,7 @@ TEST_CASE("with an input delay the inputs that are known are shown before the la
     CHECK(match.arena(0).hash() == expected.hash());
 }
 
-TEST_CASE("a frame that is shown k ticks ahead costs k ticks and one restore more, and no save") {
+TEST_CASE("run-ahead of k ticks costs k more ticks and one more restore per frame and no save") {
     AheadMatch match({.players = {0}, .machines = 1, .run_ahead = 3}), plain({.players = {0}, .machines = 1});
     match.play(200), plain.play(200);
     CHECK(match.arena(0).advances == plain.arena(0).advances + 3 * 200);
@@ -65,7 +65,7 @@ TEST_CASE("a frame that is shown k ticks ahead costs k ticks and one restore mor
     CHECK(match.arena(0).hash() == hash);
 }
 
-TEST_CASE("more than four ticks ahead are refused, and any in a sync test") {
+TEST_CASE("a session rejects run-ahead of more than four ticks and a sync test rejects any") {
     SimulatedNetwork network(1, {}, 1);
     SessionDef def;
     def.players = {0};

@@ -80,7 +80,7 @@ TEST_CASE("players who drive, walk, roll, jump and push among joints survive rol
     }
 }
 
-TEST_CASE("planted: a rollback that forgets what rules and characters remember is found in every scene") {
+TEST_CASE("planted: every scene detects a rollback that does not restore a column of rules or characters") {
     for (const Row& row : rows)
         if (row.column != nullptr) {
             INFO(row.scene);

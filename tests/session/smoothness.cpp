@@ -49,7 +49,7 @@ Feel play(const LinkDef& link, std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("at 5 % loss and 100 +- 20 ms nothing stands still for more than 100 ms, and rollbacks are short") {
+TEST_CASE("a match at 5 % loss and 100 +- 20 ms stalls for at most 100 ms and has short rollbacks") {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         CAPTURE(seed);
         Feel feel = play({.latency_ms = 40, .jitter_ms = 20, .loss_permille = 50}, seed);
@@ -62,13 +62,12 @@ TEST_CASE("at 5 % loss and 100 +- 20 ms nothing stands still for more than 100 m
     }
 }
 
-TEST_CASE("planted: the same figures over a worse network are worse") {
+TEST_CASE("planted: a match over a worse network stalls for more than 100 ms") {
     Feel feel = play({.latency_ms = 120, .jitter_ms = 20, .loss_permille = 600}, 1);
     CHECK(feel.longest_ms > 100);
 }
 
-TEST_CASE("nine packets in ten lost, two seconds of round trip, everything twice and out of order: slow, and "
-          "right") {
+TEST_CASE("a match with 90 % loss, two seconds of ping, duplicates and reordering is slow and correct") {
     for (const bool lockstep : {false, true}) {
         CAPTURE(lockstep);
         Match match({.lockstep = lockstep,

@@ -59,7 +59,8 @@ class StatusArena final : public Arena {
 
 } // namespace
 
-TEST_CASE("a sound game passes the sync test at every depth, and its timeline is the straight run") {
+TEST_CASE(
+    "a correct game passes the sync test at every depth and its timeline equals a run without rollbacks") {
     for (const std::uint32_t depth : {1u, 2u, 7u, 64u}) {
         Arena arena(2), straight(2);
         SyncTest test(arena, depth);
@@ -74,7 +75,7 @@ TEST_CASE("a sound game passes the sync test at every depth, and its timeline is
     }
 }
 
-TEST_CASE("a game that remembers something outside the state is caught at the tick, row and field") {
+TEST_CASE("the sync test reports the column, row and field of a game that stores a value outside its state") {
     ForgetfulArena arena(2);
     SyncTest test(arena, 4);
     test.run(200);
@@ -87,7 +88,7 @@ TEST_CASE("a game that remembers something outside the state is caught at the ti
     CHECK(failure->first_hash != failure->second_hash);
 }
 
-TEST_CASE("a game whose rules read the status of an input is caught") {
+TEST_CASE("the sync test detects a game whose rules read the status of an input") {
     StatusArena arena(2);
     SyncTest test(arena, 2);
     test.run(10);

@@ -82,8 +82,7 @@ const PushGame game;
 
 } // namespace
 
-TEST_CASE("two worlds 120 ms apart with 10 % loss agree at every one of 3,600 ticks, and with a run without "
-          "sessions") {
+TEST_CASE("two worlds 120 ms apart with 10 % loss agree at all 3,600 ticks and with a run without sessions") {
     MatchDef def;
     def.link = {.latency_ms = 120, .jitter_ms = 20, .loss_permille = 100};
     Match match(def, [](PeerId) { return std::make_unique<PushSimulation>(game); });
@@ -110,7 +109,7 @@ TEST_CASE("two worlds 120 ms apart with 10 % loss agree at every one of 3,600 ti
             ", cancelled ", events.count(EventStatus::cancelled));
 }
 
-TEST_CASE("the sync test names every column that changes when the snapshot lacks it") {
+TEST_CASE("the sync test names every changing column that the snapshot lacks") {
     PushSimulation probe(game);
     std::vector<std::string> names;
     for (const ColumnInfo& column : probe.state().layout().columns()) names.push_back(column.name);

@@ -46,7 +46,7 @@ bool is_near(const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b
 
 } // namespace
 
-TEST_CASE("a chart's axis is linear from zero, or logarithmic between its bounds") {
+TEST_CASE("a chart's axis is linear from zero or logarithmic between its bounds") {
     const Chart linear = chart_of({}), powers = chart_of({}, ChartScale::powers);
     CHECK(height_of(5, linear, 10) == test::about(0.5));
     CHECK(height_of(20, linear, 10) == 1);
@@ -62,7 +62,7 @@ TEST_CASE("a chart's axis is linear from zero, or logarithmic between its bounds
     CHECK(format_unit(20, "J") == "20 J");
 }
 
-TEST_CASE("a curve has no gap where it jumps, and ends at its last tick") {
+TEST_CASE("a curve has no gap where it jumps and ends at its last tick") {
     std::vector<double> values(50, 0.0);
     values.resize(60, 10.0);
     const std::vector<Rect> curve = curve_of(chart_of(values));
@@ -91,7 +91,7 @@ TEST_CASE("an outline is as large as its shape") {
     CHECK(outline_of({.geometry = box(1_r, 1_r, 1_r)}, assets).size() == 12); // no diagonals
 }
 
-TEST_CASE("an outline stands where its shape does on the body") {
+TEST_CASE("an outline has the position of its shape on the body") {
     const AssetLibrary assets;
     ShapeDef shape{.geometry = sphere(1_r)};
     shape.local.position = {5_r, 0_r, 0_r};

@@ -126,7 +126,7 @@ TEST_CASE("the four pictures of two-blocks show what they claim") {
     CHECK(false_claims(run, *ticks) == std::vector<int>{});
 }
 
-TEST_CASE("planted: each picture a moment too early or too late is noticed") {
+TEST_CASE("planted: the test detects each picture that is a moment too early or too late") {
     const Run run = two_blocks();
     const FigureTicks right = run.figures(600).value();
     FigureTicks late_1 = right, early_2 = right, early_3 = right, early_4 = right, late_2 = right;
@@ -142,12 +142,12 @@ TEST_CASE("planted: each picture a moment too early or too late is noticed") {
     CHECK(false_claims(run, early_4) == std::vector<int>{4});
 }
 
-TEST_CASE("runs without the four moments are refused with a sentence") {
+TEST_CASE("figures() rejects runs without the four moments and names the reason") {
     const auto refusal = [](const Run& run, std::uint64_t ticks) {
         const Result<FigureTicks> found = run.figures(ticks);
         return found.ok() ? std::string("found") : found.error().message;
     };
-    CHECK(refusal(two_blocks(), 20) == "nothing touches anything within 20 ticks");
+    CHECK(refusal(two_blocks(), 20) == "no bodies touch within 20 ticks");
     CHECK(refusal(dropped({at(0, 2, 0), at(5, 3, 0)}), 600) == "the blocks never meet within 600 ticks");
     CHECK(refusal(dropped({at(0, 2, 0)}), 600) == "the figures need two dynamic bodies; it has 1");
     CHECK(refusal({[] { return two_blocks().at(10); }}, 600).starts_with("it begins at tick 10"));

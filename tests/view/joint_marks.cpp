@@ -63,7 +63,7 @@ bool is_one_line(const std::vector<Line>& lines) {
 
 } // namespace
 
-TEST_CASE("joint marks: every kind of joint is drawn, with finite lines") {
+TEST_CASE("joint marks: draw_joint() draws every kind of joint with finite lines") {
     for (const JointVariant& variant : joint_variants()) {
         CAPTURE(std::string(variant.name));
         Pair pair(variant.def);
@@ -93,7 +93,7 @@ TEST_CASE("joint marks: a limited axis has an arc about it from limit to limit")
     }
 }
 
-TEST_CASE("joint marks: the hand of a limited axis turns with B, between the ends of the arc") {
+TEST_CASE("joint marks: the hand of a limited axis turns with B between the ends of the arc") {
     JointDef def = hinge_joint();
     def.axis[about_x] = {.mode = AxisMode::limited, .lower = real(-0.5), .upper = real(1)};
     Pair pair(def);
@@ -112,7 +112,7 @@ TEST_CASE("joint marks: the hand of a limited axis turns with B, between the end
     }
 }
 
-TEST_CASE("joint marks: locked axes that part show a line as long as their gap, free ones none") {
+TEST_CASE("joint marks: locked axes that part show a line as long as their gap and free axes show none") {
     JointDef slider = slider_joint();
     for (const JointDef& def : {weld_joint(), hinge_joint(), slider}) {
         Pair pair(def);
@@ -125,7 +125,7 @@ TEST_CASE("joint marks: locked axes that part show a line as long as their gap, 
     }
 }
 
-TEST_CASE("joint marks: a slider has a bar between its limits, and its spring a coil to B") {
+TEST_CASE("joint marks: a slider has a bar between its limits and its spring has a coil to B") {
     JointDef def = slider_joint();
     def.axis[along_x] = {.mode = AxisMode::limited,
                          .spring = 1,
@@ -145,7 +145,7 @@ TEST_CASE("joint marks: a slider has a bar between its limits, and its spring a 
 }
 
 TEST_CASE(
-    "joint marks: a rod is straight, a slack rope as long as it is, a taut one straight, a spring a coil") {
+    "joint marks: rods and taut ropes are straight and slack ropes have their length and springs are coils") {
     const auto drawn = [](const JointDef& def) {
         Pair pair(def);
         const Frame frame = pair.from_middle_to_middle().lines();
@@ -162,7 +162,7 @@ TEST_CASE(
     CHECK(drawn(spring_joint(Real(1), Real(2), Real(1))) > 2);
 }
 
-TEST_CASE("joint marks: wheels in gear touch, and turn as their sizes have it") {
+TEST_CASE("joint marks: wheels in gear touch and their radii have the gear ratio") {
     Pair pair(gear_joint(Real(3)));
     const std::vector<Line> circles = coloured(pair.axes(), joint_colour::gear);
     REQUIRE(circles.size() % 2 == 0);

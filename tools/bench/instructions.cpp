@@ -63,7 +63,7 @@ Result<double> total_of(const fs::path& file) {
             if (line.starts_with(key))
                 total = std::max(total, std::strtod(line.c_str() + std::strlen(key), nullptr));
     }
-    if (total < 0) return Error{file.string() + ": no totals in what callgrind wrote"};
+    if (total < 0) return Error{file.string() + ": the output of callgrind has no totals"};
     return total;
 }
 
@@ -83,8 +83,9 @@ Result<double> count(const BenchScene& scene, const Contestant& who, const fs::p
         (who.simd.empty() ? std::string() : " --simd " + who.simd);
     const int status = std::system(command.c_str());
     if (status != 0)
-        return Error{scene.name +
-                     ": cannot count instructions: is valgrind installed? This failed: " + command};
+        return Error{
+            scene.name +
+            ": cannot count instructions; check that valgrind is installed; this command failed: " + command};
     const Result<double> total = total_of(counts);
     if (!total) return total.error();
     return *total / scene.counted;

@@ -206,7 +206,7 @@ Status check_parts(const std::vector<std::string>& parts) {
         if (std::ranges::find(known, part) != known.end() || find_scene(part) != nullptr) continue;
         std::string list;
         for (const std::string& one : known) list += " " + one;
-        return Error{"bench: there is nothing to measure called '" + part + "'; there are" + list +
+        return Error{"bench: there is no part '" + part + "'; the parts are" + list +
                      ", and the scenes of `lockstone scenes`"};
     }
     return {};

@@ -115,10 +115,10 @@ void print_game(const Json& row) {
 } // namespace
 
 void print_settings(const Json& settings) {
-    std::printf(
-        "%s, load %.1f, %s; one thread, sleeping off, %d ticks a second; of each tick the least of %d runs\n",
-        text(settings, "cpu").c_str(), number(settings, "load"), text(settings, "compiler").c_str(),
-        settings.at("rate").as_int(), settings.at("runs").as_int());
+    std::printf("%s, load %.1f, %s; one thread, sleeping off, %d ticks a second; the time of a tick is the "
+                "shortest of %d runs\n",
+                text(settings, "cpu").c_str(), number(settings, "load"), text(settings, "compiler").c_str(),
+                settings.at("rate").as_int(), settings.at("runs").as_int());
 }
 
 void print_row(const std::string& key, const Json& row) {

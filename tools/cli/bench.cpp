@@ -27,27 +27,36 @@ struct Args {
 void describe(CLI::App& command, Args& args) {
     add_texts(
         command, "PART", args.parts,
-        "S1 to S6, pyramids, grid, drum, S4-plane; trees, logs, bullets, kinematic-drum, "
+        "parts to measure: S1 to S6, pyramids, grid, drum, S4-plane; trees, logs, bullets, kinematic-drum, "
         "kinematic-drum-unswept, ragdoll-rain, ragdolls-50, spring-chains, tower, large-pyramid, characters, "
         "vehicles, explosions, churn, static-first, static-creation, creation; rays-bodies, rays-mesh, "
         "ball-cast-mesh, box-cast-mesh, ball-overlap-mesh, box-overlap-mesh, casts-bodies, overlaps-bodies; "
-        "rows: all from trees on; state, awake, scaling, verify, arena, threads, front, or a scene of "
-        "`lockstone scenes`; none: all but threads, front and those scenes");
+        "rows: all parts from trees to overlaps-bodies; state, awake, scaling, verify, arena, threads, "
+        "front, or a scene of `lockstone scenes`; default: all parts except threads, front and the scenes of "
+        "`lockstone scenes`");
     add_number(command, "--ticks", args.ticks,
-               "to time, with --instructions: before those that count; 0: as the scene asks for", 0, 1000000);
-    add_number(command, "--runs", args.runs, "of each scene: of each tick the least counts", 1, 100);
-    add_numbers(command, "--substeps", args.substeps,
-                "of Lockstone, 1 to 16; several, with commas: each is a contestant", 1, 16);
+               "number of ticks to time; with --instructions, number of ticks before the counted ticks; 0: "
+               "the scene's own number",
+               0, 1000000);
+    add_number(command, "--runs", args.runs,
+               "number of runs of each scene, 1 to 100; the time of a tick is the shortest of all runs", 1,
+               100);
+    add_numbers(
+        command, "--substeps", args.substeps,
+        "substeps of Lockstone, 1 to 16; several values, separated by commas, are measured separately", 1,
+        16);
     add_text(command, "--simd", args.simd,
-             "of Lockstone: scalar, sse41, avx2, avx512, neon, wasm128; several, with commas: each is a "
-             "contestant");
-    add_flag(command, "--json", args.json, "for programs");
-    add_flag(command, "--quick", args.quick, "a few ticks of small scenes: whether all runs, not how fast");
+             "instruction set of Lockstone: scalar, sse41, avx2, avx512, neon, wasm128; several values, "
+             "separated by commas, are measured separately");
+    add_flag(command, "--json", args.json, "print the results as JSON");
+    add_flag(command, "--quick", args.quick,
+             "run only a few ticks of small scenes, to check that every part works; the times mean little");
     add_flag(command, "--instructions", args.instructions,
-             "count them under callgrind, in the chosen scenes");
-    add_text(command, "--keep", args.keep, "with --instructions: a folder for the files of callgrind");
-    add_text(command, "--profile", args.profile, "FILE.json: the chosen scenes by phases, as a Chrome trace");
-    add_text(command, "--plot", args.plot, "FILE.svg: a picture of the scenes, or of 'front', by gnuplot");
+             "count the instructions of the chosen scenes with callgrind");
+    add_text(command, "--keep", args.keep, "folder for the output files of callgrind, with --instructions");
+    add_text(command, "--profile", args.profile,
+             "FILE.json: write the phases of the chosen scenes as a Chrome trace");
+    add_text(command, "--plot", args.plot, "FILE.svg: draw the chosen scenes, or 'front', with gnuplot");
     // Set by --instructions for its child process under callgrind.
     add_text(command, "--counted", args.counted, "").hide();
 }
@@ -116,7 +125,7 @@ Result<Exit> act(const Args& args) {
 
 void add_bench(CLI::App& app, Work& work) {
     add_command<Args>(app, work, "bench",
-                      "Times beside Bullet and ODE, and what they are worth: tools/bench/README.md.",
+                      "Measure Lockstone next to Bullet and ODE; tools/bench/README.md explains the results.",
                       describe, act);
 }
 

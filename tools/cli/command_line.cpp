@@ -186,7 +186,8 @@ Option add_real(CLI::App& command, const std::string& name, std::optional<double
 
 void add_threads(CLI::App& command, std::uint32_t& threads) {
     add_number(command, "--threads", threads,
-               "that share the work of a tick; the result does not depend on it", 1, workers_max);
+               "number of threads that share the work of a tick, 1 to 64; the result does not depend on it",
+               1, workers_max);
 }
 
 std::unique_ptr<Tasks> tasks_of(std::uint32_t threads) {

@@ -37,20 +37,29 @@ void describe(CLI::App& command, Args& args) {
     std::string scenes;
     for (const reference::CompareScene& scene : reference::compare_scenes())
         scenes += std::string(scene.name) + ", ";
-    add_text(command, "SCENE", args.scene, scenes + "or one of `lockstone scenes`").required();
-    add_number(command, "--ticks", args.ticks, "0: as many as show the scene", 0, 1000000);
-    add_number(command, "--size", args.options.size, "0: the scene's own for this");
-    add_number(command, "--seed", args.options.seed, "of placement and chance");
+    add_text(command, "SCENE", args.scene, scenes + "or a scene of `lockstone scenes`").required();
+    add_number(command, "--ticks", args.ticks, "number of ticks; 0: enough to show the scene", 0, 1000000);
+    add_number(command, "--size", args.options.size,
+               "number of objects in the scene; 0: the default for a comparison");
+    add_number(command, "--seed", args.options.seed, "seed of placement and random numbers");
     std::vector<std::string> names;
     for (const auto& [name, integrator] : integrators) names.push_back(name);
-    add_text(command, "--integrator", args.integrator, "of the thesis' engine").one_of(names).show_default();
+    add_text(command, "--integrator", args.integrator, "integrator of the thesis' engine")
+        .one_of(names)
+        .show_default();
     add_number(command, "--iterations", args.iterations,
-               "at most, of its resolver: positions, then velocities", 1, 1000000);
-    add_number(command, "--substeps", args.substeps, "steps in its tick; 0: as many as ours", 0, 64);
-    add_flag(command, "--gyroscopic", args.gyroscopic, "give it the term that the thesis leaves out");
-    add_flag(command, "--drift", args.drift, "only how far its builds part, and that ours do not");
-    add_text(command, "--plot", args.plot, "a picture to write, by gnuplot").type_name("FILE.svg");
-    add_flag(command, "--json", args.json, "for programs");
+               "largest number of iterations of the thesis' resolver, 1 to 1000000, for positions and then "
+               "for velocities",
+               1, 1000000);
+    add_number(command, "--substeps", args.substeps,
+               "number of substeps in a tick of the thesis' engine, up to 64; 0: as many as in Lockstone", 0,
+               64);
+    add_flag(command, "--gyroscopic", args.gyroscopic,
+             "add the gyroscopic term, which the thesis leaves out, to the thesis' engine");
+    add_flag(command, "--drift", args.drift,
+             "print only how far builds of the thesis' engine differ, and that builds of Lockstone do not");
+    add_text(command, "--plot", args.plot, "SVG picture to draw with gnuplot").type_name("FILE.svg");
+    add_flag(command, "--json", args.json, "print the results as JSON");
 }
 
 /// The results of a comparison.
@@ -117,7 +126,7 @@ void print(const Args& args, const Found& found) {
         print_samples(found);
     }
     for (const reference::DriftLine& line : found.drifts)
-        std::printf("built twice: %s against %s: parts: %s, by 1 mm: %s\n", line.name.c_str(),
+        std::printf("built twice: %s against %s: first difference: %s, 1 mm apart: %s\n", line.name.c_str(),
                     line.against.c_str(), tick_text(line.parts_at).c_str(),
                     tick_text(line.apart_by(0.001)).c_str());
 }
@@ -200,8 +209,8 @@ Result<Exit> act(const Args& args) {
 
 void add_compare(CLI::App& app, Work& work) {
     add_command<Args>(app, work, "compare",
-                      "The thesis' engine, in floating point, beside ours from the same start: "
-                      "tools/reference/README.md.",
+                      "Run a scene in Lockstone and in the thesis' floating-point engine, and compare them; "
+                      "see tools/reference/README.md.",
                       describe, act);
 }
 

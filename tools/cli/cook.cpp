@@ -32,37 +32,39 @@ const std::map<std::string, cook::Wanted> kinds{{"hull", cook::Wanted::hull},
                                                 {"height-field", cook::Wanted::height_field}};
 
 void describe(CLI::App& command, Args& args) {
-    add_text(command, "MESH", args.model, "a model: glTF, OBJ, FBX, STL, PLY").required();
-    add_text(command, "-o", args.asset, "the file to write").required().type_name("ASSET");
+    add_text(command, "MESH", args.model, "model file: glTF, OBJ, FBX, STL or PLY").required();
+    add_text(command, "-o", args.asset, "asset file to write").required().type_name("ASSET");
     std::vector<std::string> names;
     for (const auto& [name, kind] : kinds) names.push_back(name);
-    add_text(command, "--as", args.as, "hull, convex (a compound of hulls), mesh, height-field")
+    add_text(command, "--as", args.as,
+             "kind of asset: hull, convex (a compound of hulls), mesh or height-field")
         .one_of(names)
         .show_default();
     add_real(command, "--scale", args.options.scale, "metres per unit of the model, default 1", 1e-9, 1e9);
     add_real(command, "--deviation", args.options.deviation,
-             "allowed [m]; default: 1 % of the model's largest extent, hull and convex aim for that and may "
-             "take 20 %",
+             "largest allowed deviation from the model [m]; default: 1 % of the model's largest extent; hull "
+             "and convex aim for 1 % and may take 20 %",
              0, 1e4);
-    add_number(command, "--parts", args.options.parts_max, "convex: at most so many hulls", 1,
+    add_number(command, "--parts", args.options.parts_max, "convex: largest number of hulls", 1,
                compound_parts_max);
-    add_number(
-        command, "--vertices", args.corners_max,
-        "hull, convex: at most so many corners a hull; default: 64, a hull takes more where 1 % needs them",
-        4, hull_vertices_max);
-    add_flag(command, "--two-sided", args.options.two_sided, "mesh: walls to both sides, nothing is inside");
-    add_flag(command, "--flip", args.options.flip,
-             "triangles face the other way, for a surface that is inside out");
+    add_number(command, "--vertices", args.corners_max,
+               "hull, convex: largest number of vertices of a hull, 4 to 255; default: 64; --as hull takes "
+               "more where the deviation needs them",
+               4, hull_vertices_max);
+    add_flag(command, "--two-sided", args.options.two_sided,
+             "mesh: triangles collide on both sides, so the mesh has no inside");
+    add_flag(command, "--flip", args.options.flip, "reverse the triangles, for a surface that is inside out");
     add_real(command, "--flat", args.options.flat,
-             "mesh, height-field: edges that bend less are not felt [degrees]", 0, 90);
+             "mesh, height-field: contacts ignore edges with a smaller angle [degrees], 0 to 90", 0, 90);
     add_real(command, "--spacing", args.options.spacing,
-             "height-field: between samples [m]; default: as coarse as the deviation allows", 1e-4, 1e3);
-    add_number(command, "--seconds", args.limits.seconds, "give up on a model that takes longer to read", 1,
-               86400);
-    add_number(command, "--memory", args.memory_mb, "[MB] that the whole command may take at most", 64,
+             "height-field: distance between samples [m]; default: as large as the deviation allows", 1e-4,
+             1e3);
+    add_number(command, "--seconds", args.limits.seconds, "time limit for reading the model [s], 1 to 86400",
+               1, 86400);
+    add_number(command, "--memory", args.memory_mb, "memory limit of the whole command [MB], 64 or more", 64,
                1u << 24);
     add_flag(command, "--z-up", args.options.z_up, "the model's z axis points up");
-    add_flag(command, "--json", args.json, "for programs");
+    add_flag(command, "--json", args.json, "print the report as JSON");
 }
 
 json::Value report_of(const Args& args, const cook::Cooked& made) {
@@ -130,7 +132,8 @@ Status write_and_read(const std::string& path, const cook::Cooked& made) {
     AssetLibrary library;
     const Result<AssetId> id = load_assets(path, library);
     if (!id) return id.error();
-    return *id == made.id ? Status{} : Error{path + ": what was written is not what is read"};
+    return *id == made.id ? Status{}
+                          : Error{path + ": the written file differs when it is read back; write it again"};
 }
 
 /// Reads the model and makes the asset within a limit of memory.
@@ -176,7 +179,8 @@ Result<Exit> run(const Args& args) {
 
 void add_cook(CLI::App& app, Work& work) {
     add_command<Args>(app, work, "cook",
-                      "Make an asset of a model; prove it and measure how far it deviates.", describe, run);
+                      "Make an asset from a model, check it, and measure its deviation from the model.",
+                      describe, run);
 }
 
 } // namespace lockstone::cli

@@ -19,7 +19,7 @@ Status draw(const std::string& script, const std::string& file) {
     const int status = ::pclose(gnuplot);
     const bool ended = WIFEXITED(status);
     if (ended && WEXITSTATUS(status) == absent)
-        return Error{"--plot " + file + ": there is no gnuplot; the Debian package is gnuplot-nox"};
+        return Error{"--plot " + file + ": gnuplot is missing; install it (Debian package gnuplot-nox)"};
     if (!read || !ended || WEXITSTATUS(status) != 0)
         return Error{"--plot " + file + ": gnuplot failed with status " +
                      std::to_string(ended ? WEXITSTATUS(status) : WTERMSIG(status))};

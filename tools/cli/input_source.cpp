@@ -38,13 +38,14 @@ std::string read_line(const std::string& line, std::uint32_t input_size,
     std::istringstream words(line);
     std::string tick_word, player_word, bytes_word, more;
     if (!(words >> tick_word)) return {};
-    if (!(words >> player_word >> bytes_word) || words >> more) return "a line is tick, player and bytes";
+    if (!(words >> player_word >> bytes_word) || words >> more)
+        return "a line must have tick, player and bytes";
     std::uint64_t tick = 0;
     std::uint32_t player = 0;
     if (!read_number(tick_word, tick)) return "'" + shown(tick_word) + "' is not a tick";
     if (!read_number(player_word, player) || player >= held.size())
         return "'" + shown(player_word) + "' is not a player; there are " + std::to_string(held.size()) +
-               ", from 0";
+               " players, numbered from 0";
     const auto bytes = bytes_of_hex(bytes_word, input_size);
     if (!bytes)
         return "'" + shown(bytes_word) + "' is not an input of " + std::to_string(input_size) +
@@ -52,7 +53,7 @@ std::string read_line(const std::string& line, std::uint32_t input_size,
     std::vector<HeldInput>& of_player = held[player];
     if (!of_player.empty() && of_player.back().tick >= tick)
         return "tick " + shown(tick_word) + " of player " + shown(player_word) +
-               " does not come after his last, " + std::to_string(of_player.back().tick);
+               " does not come after the last tick of this player, " + std::to_string(of_player.back().tick);
     of_player.push_back({tick, *bytes});
     return {};
 }
@@ -111,8 +112,8 @@ Result<InputSource> InputSource::open(const Game& game, const std::string& path)
     if (head.mode != replay::Mode::inputs || head.player_count != game.player_count() ||
         head.input_size != game.input_size())
         return Error{path + ": does not hold inputs of " + std::to_string(game.player_count()) +
-                     " players of " + std::to_string(game.input_size()) + " bytes each, as '" + game.name() +
-                     "' wants"};
+                     " players of " + std::to_string(game.input_size()) + " bytes each, which '" +
+                     game.name() + "' needs"};
     source.recording = std::move(*recording);
     return source;
 }

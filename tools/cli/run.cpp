@@ -24,19 +24,20 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
-    add_number(command, "--ticks", args.ticks, "how long");
+    add_number(command, "--ticks", args.ticks, "number of ticks to run");
     add_threads(command, args.threads);
     add_text(command, "--simd", args.simd,
-             "scalar, sse41, avx2, avx512, neon or wasm128: the same hashes at other speeds; the best there "
-             "is when "
-             "left out");
+             "instruction set: scalar, sse41, avx2, avx512, neon or wasm128; default: the best of this "
+             "machine; the hashes do not depend on it");
     add_text(command, "--input", args.input,
-             "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
-    add_text(command, "--record", args.record, "write a recording (.lsr)");
+             "file with the inputs of the players: text (see tools/README.md) or a recording; default: "
+             "inputs scripted from the seed");
+    add_text(command, "--record", args.record, "write a recording (.lsr) to this file");
     add_number(command, "--keyframes", args.keyframe_ticks,
-               "ticks from keyframe to keyframe of the recording; 0: only the first");
-    add_text(command, "--hashes", args.hashes, "write tick, tab, root hash after that tick");
-    add_text(command, "--report", args.report, "write numbers about the run as JSON");
+               "number of ticks between keyframes of the recording; 0: only the first keyframe");
+    add_text(command, "--hashes", args.hashes,
+             "write a line for each tick to this file: tick, tab, root hash after the tick");
+    add_text(command, "--report", args.report, "write measurements of the run to this file as JSON");
 }
 
 /// The results of a run besides its last state.
@@ -125,7 +126,8 @@ Result<Exit> run(const Args& args) {
 } // namespace
 
 void add_run(CLI::App& app, Work& work) {
-    add_command<Args>(app, work, "run", "Run a scene; record it, hash it, report on it.", describe, run);
+    add_command<Args>(app, work, "run", "Run a scene; write a recording, hashes or a report of it.", describe,
+                      run);
 }
 
 } // namespace lockstone::cli

@@ -3,14 +3,15 @@
 namespace lockstone::cli {
 
 void describe_options(CLI::App& command, SceneOptions& options) {
-    add_number(command, "--size", options.size,
-               "how many of what `lockstone scenes` says; 0: the scene's own");
-    add_number(command, "--seed", options.seed, "of placement and chance");
-    add_number(command, "--players", options.players, "0: the scene's own");
+    add_number(
+        command, "--size", options.size,
+        "size of the scene: the number of objects that `lockstone scenes` names; 0: the scene's default");
+    add_number(command, "--seed", options.seed, "seed of placement and random numbers");
+    add_number(command, "--players", options.players, "number of players; 0: the scene's default");
 }
 
 void describe_scene(CLI::App& command, SceneChoice& choice) {
-    add_text(command, "SCENE", choice.scene, "one of `lockstone scenes`").required();
+    add_text(command, "SCENE", choice.scene, "name of a scene, see `lockstone scenes`").required();
     describe_options(command, choice.options);
 }
 

@@ -12,7 +12,9 @@ struct Args {
     bool json = false;
 };
 
-void describe(CLI::App& command, Args& args) { add_flag(command, "--json", args.json, "for programs"); }
+void describe(CLI::App& command, Args& args) {
+    add_flag(command, "--json", args.json, "print the list as JSON");
+}
 
 std::string options_of(const SceneInfo& info) {
     std::string text;

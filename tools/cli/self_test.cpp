@@ -42,8 +42,8 @@ Result<Exit> act(const Args& args) {
 
 void add_self_test(CLI::App& app, Work& work) {
     add_command<Args>(app, work, "self-test",
-                      "Compare small worlds of this build, on this machine, with stored hashes.", describe,
-                      act);
+                      "Run small worlds on this machine and compare their hashes with the stored ones.",
+                      describe, act);
 }
 
 } // namespace lockstone::cli

@@ -19,10 +19,10 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
-    add_number(command, "--ticks", args.ticks, "how long");
-    add_number(command, "--depth", args.depth, "how many ticks every tick rolls back", 1, 64);
+    add_number(command, "--ticks", args.ticks, "number of ticks to run");
+    add_number(command, "--depth", args.depth, "number of ticks that every tick rolls back, 1 to 64", 1, 64);
     add_threads(command, args.threads);
-    add_text(command, "--plant", args.plant, "plant a fault: leave this column out of the snapshots");
+    add_text(command, "--plant", args.plant, "plant a fault: the snapshots leave out this column");
 }
 
 /// A session needs at least one player. This wrapper adds a player without input to a scene that has none.
@@ -47,7 +47,7 @@ Status check_column(const World& world, const std::string& column) {
     std::string names;
     for (const ColumnInfo& info : world.state().layout().columns())
         names += (names.empty() ? "" : ", ") + info.name;
-    return Error{"--plant " + column + ": there is no such column; there are " + names};
+    return Error{"--plant " + column + ": there is no such column; the columns are " + names};
 }
 
 Result<Exit> synctest(const Args& args) {
@@ -55,8 +55,8 @@ Result<Exit> synctest(const Args& args) {
     if (!started) return started.error();
     if (Status s = check_column(started->world, args.plant); !s) return s.error();
     if (args.ticks <= args.depth) // no tick has so many ticks before it
-        return Error{args.choice.scene + ": in " + std::to_string(args.ticks) +
-                     " ticks none can be rolled back by " + std::to_string(args.depth) +
+        return Error{args.choice.scene + ": " + std::to_string(args.ticks) +
+                     " ticks are too few to roll back by " + std::to_string(args.depth) +
                      ", so nothing would be compared: --ticks must be more than --depth"};
     const WithPlayer game(*started->game);
     const std::vector<PeerId> players(game.player_count(), 0);

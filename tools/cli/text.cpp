@@ -116,10 +116,10 @@ Status check_outputs(const std::vector<std::string>& outputs, const std::vector<
         if (outputs[i].empty()) continue;
         for (const std::string& source : sources)
             if (!source.empty() && is_same_file(outputs[i], source))
-                return Error{outputs[i] + ": is what is read from; write to another file"};
+                return Error{outputs[i] + ": is also an input file; write to another file"};
         for (std::size_t other = 0; other < i; ++other)
             if (!outputs[other].empty() && is_same_file(outputs[i], outputs[other]))
-                return Error{outputs[i] + ": is to hold two different outputs; give each a file of its own"};
+                return Error{outputs[i] + ": is given for two outputs; write each output to its own file"};
     }
     for (const std::string& output : outputs)
         if (Status s = output.empty() ? Status{} : check_writable(output); !s) return s;
@@ -142,8 +142,10 @@ static const Simd* simd_of(const std::string& level) {
 Status check_simd(const std::string& level) {
     const Simd* known = simd_of(level);
     if (known == nullptr)
-        return Error{"--simd " + level + ": there are scalar, sse41, avx2, avx512, neon and wasm128"};
-    return has_simd(*known) ? Status{} : Error{"--simd " + level + ": this machine has none"};
+        return Error{"--simd " + level +
+                     ": is no instruction set; choose from scalar, sse41, avx2, avx512, neon and wasm128"};
+    return has_simd(*known) ? Status{}
+                            : Error{"--simd " + level + ": this machine does not have these instructions"};
 }
 
 Status choose_simd(const std::string& level, World& world) {

@@ -10,7 +10,9 @@ namespace {
 
 using namespace scenes_detail;
 
-constexpr SceneInfo about{"asset", "an asset that falls, or is fallen upon", "bodies", 12, 1, 1000, 0, 0, 0};
+constexpr SceneInfo about{
+    "asset", "falling bodies of an asset, or bodies that fall onto the asset", "bodies", 12, 1, 1000, 0, 0,
+    0};
 
 class AssetScene final : public Scene {
   public:

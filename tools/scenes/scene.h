@@ -31,13 +31,13 @@ class StateCheck {
     explicit StateCheck(const World& checked, std::string_view column) : world(checked), where(column) {}
     /// Checks that the id names an existing object. `what` names the field.
     template <class Id> StateCheck& alive(Id id, std::string_view what) {
-        return holds(world.is_alive(id), what, "names nothing that lives");
+        return holds(world.is_alive(id), what, "names an object that does not exist");
     }
     /// Checks that the id names an existing dynamic body.
     StateCheck& dynamic(BodyId id, std::string_view what) {
         alive(id, what);
         return holds(!world.is_alive(id) || world.kind(id) == BodyKind::dynamic, what,
-                     "names a body that no force moves");
+                     "names a body that is not dynamic");
     }
     StateCheck& holds(bool condition, std::string_view what, std::string_view why);
     Status finish() const { return status; }

@@ -7,7 +7,8 @@
 
 using namespace lockstone;
 
-TEST_CASE("the corpus holds every sample, and all of it is refused or holds") {
+TEST_CASE(
+    "the asset corpus holds every sample and the library rejects each file or makes a valid asset of it") {
     const AssetLibrary library = fuzz::library_with_hull();
     const std::vector<AssetBytes> all = fuzz::corpus("asset", {});
     for (const fuzz::Sample& s : fuzz::samples())
@@ -22,7 +23,7 @@ TEST_CASE("the corpus holds every sample, and all of it is refused or holds") {
     CHECK(accepted >= fuzz::samples().size());
 }
 
-TEST_CASE("ten thousand mutations are refused or hold") {
+TEST_CASE("the asset library rejects each of ten thousand mutations or makes a valid asset of it") {
     const AssetLibrary library = fuzz::library_with_hull();
     const std::vector<AssetBytes> all = fuzz::corpus("asset", {});
     Random random = Random::seeded(2026);
@@ -40,7 +41,7 @@ TEST_CASE("ten thousand mutations are refused or hold") {
     CHECK(accepted < rounds);
 }
 
-TEST_CASE("planted: the check notices an asset whose bytes are not its content's") {
+TEST_CASE("planted: the check finds an asset whose bytes differ from its content") {
     const AssetLibrary library = fuzz::library_with_hull();
     for (const fuzz::Sample& s : fuzz::samples()) {
         auto asset = shapes::parse_asset(s.bytes, library);

@@ -195,7 +195,7 @@ AssetBytes sample(const std::string& name) {
 
 } // namespace
 
-TEST_CASE("every flipped bit of an asset is refused") {
+TEST_CASE("the asset library rejects an asset with any flipped bit") {
     for (const fuzz::Sample& s : all_samples()) {
         REQUIRE(refusal(s.bytes) == "");
         CHECK_MESSAGE(flips_refused(s.bytes, [](AssetBytes&) {}) == s.bytes.size() * flips_a_byte(), s.name);
@@ -204,7 +204,7 @@ TEST_CASE("every flipped bit of an asset is refused") {
     }
 }
 
-TEST_CASE("assets cut short or made longer are refused, resealed or not") {
+TEST_CASE("the asset library rejects truncated and lengthened assets with an old or a new checksum") {
     for (const fuzz::Sample& s : all_samples())
         for (std::size_t size = 0; size < s.bytes.size() + 9; ++size) {
             AssetBytes bytes = s.bytes;
@@ -215,7 +215,7 @@ TEST_CASE("assets cut short or made longer are refused, resealed or not") {
         }
 }
 
-TEST_CASE("lies under a right checksum are refused with the place and the reason") {
+TEST_CASE("the asset library rejects false values under a valid checksum with the place and the reason") {
     for (const Lie& lie : lies()) {
         AssetBytes bytes = sample(lie.sample);
         lie.tell(bytes);
@@ -232,7 +232,7 @@ TEST_CASE("lies under a right checksum are refused with the place and the reason
     CHECK(refusal(same) == "");
 }
 
-TEST_CASE("a compound whose hull is missing is refused, and accepted once it is there") {
+TEST_CASE("the asset library rejects a compound without its hull and accepts it after the hull is added") {
     AssetLibrary library;
     const AssetBytes compound = fuzz::sample_compound();
     CHECK(mentions(library.add(std::span<const std::byte>(compound)).error().message,
@@ -242,7 +242,7 @@ TEST_CASE("a compound whose hull is missing is refused, and accepted once it is 
     CHECK(library.add(std::span<const std::byte>(compound)).ok());
 }
 
-TEST_CASE("bad definitions are refused with the place and the reason") {
+TEST_CASE("the asset functions reject bad definitions with the place and the reason") {
     std::vector<Vec3> vertices = {
         {Real{}, Real{}, Real{}}, {Real(1), Real{}, Real{}}, {Real{}, Real(1), Real{}}};
     std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}};

@@ -25,7 +25,7 @@ std::string uncontained(const std::filesystem::path& model, const cook::ImportLi
 
 } // namespace
 
-TEST_CASE("models that break the importer end as a sentence") {
+TEST_CASE("the importer returns an error sentence for a model that crashes or hangs it") {
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
         INFO(entry.path());
@@ -35,7 +35,8 @@ TEST_CASE("models that break the importer end as a sentence") {
     CHECK(count >= 2); // one that hangs, one that crashes
 }
 
-TEST_CASE("planted: a model that is read, or refused for what it says, did not break the importer") {
+TEST_CASE("planted: a model that is read or rejected for its content does not count as one that breaks the "
+          "importer") {
     const std::string text =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n2 0 0\n2 1 0\n3 0 1 2\n";

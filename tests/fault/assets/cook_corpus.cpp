@@ -72,7 +72,7 @@ Data mutated(Data data, const std::vector<Data>& all, Random& random) {
 
 } // namespace
 
-TEST_CASE("models of the cook corpus and their mutations end as a sentence or as assets that load") {
+TEST_CASE("the cooker returns an error sentence or assets that load for corpus models and their mutations") {
     const std::vector<Data> all = corpus();
     REQUIRE(all.size() > 20);
     for (const Data& data : all) CHECK(fuzz::check_cook(data) == "");
@@ -89,7 +89,7 @@ TEST_CASE("models of the cook corpus and their mutations end as a sentence or as
     CHECK(good > runs / 3); // mutations leave enough valid models
 }
 
-TEST_CASE("the model files that fuzzing starts from are models, from memory as from files") {
+TEST_CASE("the seed files of the import fuzzer are valid models and read alike from memory and from files") {
     const std::vector<Data> all = corpus("cook_import");
     CHECK(all.size() >= 9);
     const std::filesystem::path folder = std::filesystem::temp_directory_path();
@@ -111,7 +111,7 @@ TEST_CASE("the model files that fuzzing starts from are models, from memory as f
     }
 }
 
-TEST_CASE("planted: the corpus check notices an asset that does not load") {
+TEST_CASE("planted: the corpus check finds an asset that does not load") {
     // The check of check_cook, on a set whose last asset is damaged.
     const fuzz::CookInput input = fuzz::read_cook_input(corpus().front());
     Result<cook::Cooked> made = cook::cook(input.model, {});

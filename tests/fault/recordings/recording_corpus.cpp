@@ -19,7 +19,8 @@ struct Tally {
 
 } // namespace
 
-TEST_CASE("recording corpus: it holds every seed, and all of it is refused or plays") {
+TEST_CASE(
+    "recording corpus: the corpus holds every seed and the reader rejects each file or the file plays") {
     const std::vector<fuzz::Seed> seeds = fuzz::recording_seeds();
     const std::vector<fuzz::Buffer> all = fuzz::corpus("recording", seeds);
     for (const fuzz::Seed& seed : seeds)
@@ -35,7 +36,7 @@ TEST_CASE("recording corpus: it holds every seed, and all of it is refused or pl
     CHECK(tally.ticks >= 8 * fuzz::recording_count);
 }
 
-TEST_CASE("recording corpus: hundreds of mutations are refused or play") {
+TEST_CASE("recording corpus: the reader rejects each of hundreds of mutations or the mutation plays") {
     const std::vector<fuzz::Buffer> all = fuzz::corpus("recording", {});
     Random random = Random::seeded(2026);
     Tally tally;
@@ -51,7 +52,7 @@ TEST_CASE("recording corpus: hundreds of mutations are refused or play") {
     CHECK(tally.ticks > count / 10);
 }
 
-TEST_CASE("recording corpus: planted readers and players are found out") {
+TEST_CASE("recording corpus: the check finds planted faults of readers and players") {
     const fuzz::RecordingReader right;
     const auto judge = [](const fuzz::Buffer& data, auto&& read, auto&& step) {
         fuzz::RecordingOutcome outcome;

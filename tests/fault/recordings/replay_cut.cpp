@@ -30,8 +30,8 @@ struct Path {
 
 } // namespace
 
-TEST_CASE(
-    "a recording that is cut anywhere behind its first keyframe opens, and is repaired to a complete one") {
+TEST_CASE("a recording that is cut anywhere behind its first keyframe opens and can be repaired to a "
+          "complete one") {
     const SmallGame game;
     const Bytes good = record_inputs(24, {.keyframe_ticks = 10, .block_ticks = 4});
     std::uint64_t opened = 0;
@@ -58,7 +58,7 @@ TEST_CASE(
     CHECK(opened > 20);
 }
 
-TEST_CASE("what is damaged in its middle is not taken for cut") {
+TEST_CASE("the reader does not accept a recording with damage in its middle as a cut one") {
     Bytes bad = record_inputs(400, {.keyframe_ticks = 0, .block_ticks = 4});
     bad[bad.size() * 2 / 3] ^= std::byte{1};
     CHECK(!read(bad, OnDamage::recover_cut).ok());
@@ -73,7 +73,7 @@ TEST_CASE("what is damaged in its middle is not taken for cut") {
               .good());
 }
 
-TEST_CASE("two recorders do not write one file") {
+TEST_CASE("a file sink rejects a file that another recorder writes") {
     const Path path;
     auto first = must(FileSink::create(path.text));
     const Bytes bytes(100, std::byte{1});
@@ -90,7 +90,7 @@ TEST_CASE("two recorders do not write one file") {
     CHECK(fs::file_size(path.text) == 0);
 }
 
-TEST_CASE("a file that is removed, replaced or changed while it is written is noticed") {
+TEST_CASE("a file sink reports a file that is removed or replaced or changed during writing") {
     const Bytes bytes(100, std::byte{1});
     const auto told = [&](std::string_view what, const auto& harm) {
         const Path path;

@@ -43,12 +43,13 @@ void check_every_flip(const Bytes& good) {
 
 } // namespace
 
-TEST_CASE("flipping any one byte of a recording of inputs or commands is refused with a sentence") {
+TEST_CASE("the reader rejects a recording of inputs or commands with any flipped byte with a sentence") {
     check_every_flip(record_inputs(6, {.options = {{"seed", "7"}}, .keyframe_ticks = 4, .block_ticks = 2}));
     check_every_flip(record_commands(6, {.keyframe_ticks = 4, .block_ticks = 2}));
 }
 
-TEST_CASE("a recording cut at any byte is refused, and its whole chunks are recovered and still verify") {
+TEST_CASE("the reader rejects a recording that is cut at any byte and recovers its whole chunks which still "
+          "verify") {
     const SmallGame game;
     const Bytes good = record_inputs(12, {.keyframe_ticks = 6, .block_ticks = 2});
     const std::uint64_t whole_ticks = must(read(good)).tick_count();
@@ -74,7 +75,7 @@ TEST_CASE("a recording cut at any byte is refused, and its whole chunks are reco
     CHECK(recovered_files > 300);
 }
 
-TEST_CASE("bytes after the end are refused, one or many") {
+TEST_CASE("the reader rejects one or many bytes after the end of a recording") {
     const Bytes good = record_inputs(3);
     for (const std::size_t more : {1u, 7u, 16u, 24u, 5000u}) {
         Bytes bad = good;
@@ -86,7 +87,7 @@ TEST_CASE("bytes after the end are refused, one or many") {
     check_refused(twice, good.size());
 }
 
-TEST_CASE("a file that is no recording is refused by what it is") {
+TEST_CASE("the reader rejects a file that is not a recording with the reason") {
     const auto message = [](std::string_view text) {
         const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
         return read(Bytes(bytes.begin(), bytes.end())).error().message;
@@ -103,7 +104,7 @@ TEST_CASE("a file that is no recording is refused by what it is") {
           "test.lsr: the recording is of format version 5, this reader knows version 6");
 }
 
-TEST_CASE("a path that cannot be read is refused with the system's reason") {
+TEST_CASE("the reader rejects a path that it cannot read with the system's reason") {
     CHECK(Recording::open("/no/such/file.lsr").error().message ==
           "/no/such/file.lsr: cannot open the file: No such file or directory");
     CHECK(Recording::open("/").error().message == "/: cannot read the file at byte 0: Is a directory");
@@ -111,7 +112,7 @@ TEST_CASE("a path that cannot be read is refused with the system's reason") {
           "/dev/zero: this is not a recording: it does not begin with the eight bytes of .lsr files");
 }
 
-TEST_CASE("a chunk that claims to be huge is refused") {
+TEST_CASE("the reader rejects a chunk that claims a huge size") {
     const Bytes good = record_inputs(3);
     const auto chunks = chunks_of(good);
     std::size_t at = preamble_bytes;
@@ -126,7 +127,7 @@ TEST_CASE("a chunk that claims to be huge is refused") {
     }
 }
 
-TEST_CASE("a huge number anywhere under good checksums is refused with a sentence, or is not verified") {
+TEST_CASE("a huge number anywhere under valid checksums is rejected with a sentence or fails to verify") {
     const SmallGame game;
     const auto chunks = chunks_of(record_inputs(3));
     REQUIRE(verify(must(read(file_of(chunks, true))), &game).good());
@@ -154,7 +155,7 @@ TEST_CASE("a huge number anywhere under good checksums is refused with a sentenc
     CHECK(read_but_bad > 0); // a reader accepts any image and hash of a start
 }
 
-TEST_CASE("announced sizes are refused before anything of that size is allocated") {
+TEST_CASE("the reader rejects announced sizes before it allocates memory of this size") {
     const auto chunks = chunks_of(record_inputs(3));
     const auto with_u64 = [&](std::uint32_t type, std::size_t at, std::uint64_t value) {
         auto bad = chunks;
@@ -171,8 +172,8 @@ TEST_CASE("announced sizes are refused before anything of that size is allocated
           std::string::npos);
 }
 
-TEST_CASE(
-    "a chunk removed, repeated, swapped or taken from another recording breaks the chain of checksums") {
+TEST_CASE("a chunk that is removed or repeated or swapped or from another recording breaks the chain of "
+          "checksums") {
     const Bytes good = record_inputs(12, {.keyframe_ticks = 6, .block_ticks = 2});
     const Bytes other = record_commands(12, {.keyframe_ticks = 6, .block_ticks = 2});
     std::vector<std::size_t> starts;
@@ -205,7 +206,7 @@ TEST_CASE(
     check_refused(mixed, starts[3]);
 }
 
-TEST_CASE("a newer minor version is read, and its chunks are skipped only where they are marked skippable") {
+TEST_CASE("the reader accepts a newer minor version and skips its chunks only if they are marked skippable") {
     auto chunks = chunks_of(record_inputs(4, {.keyframe_ticks = 2}));
     const auto whole = must(read(file_of(chunks, true)));
     for (std::size_t at = 1; at + 1 < chunks.size(); ++at) {
@@ -228,7 +229,7 @@ TEST_CASE("a newer minor version is read, and its chunks are skipped only where 
     CHECK(!read(file_of(marked, true)));
 }
 
-TEST_CASE("chunks in another order are refused though every checksum is good") {
+TEST_CASE("the reader rejects missing and repeated and swapped chunks under valid checksums") {
     const auto chunks = chunks_of(record_inputs(8, {.keyframe_ticks = 4, .block_ticks = 2}));
     for (std::size_t i = 0; i < chunks.size(); ++i) {
         auto removed = chunks;

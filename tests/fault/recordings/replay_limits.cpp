@@ -54,7 +54,8 @@ Bytes with_explosions(std::uint32_t count) {
 
 } // namespace
 
-TEST_CASE("every field of the world's definition is covered: changed and sealed again it is never good") {
+TEST_CASE(
+    "a recording with a change in any field of the world's definition never verifies under new checksums") {
     const WorldDef good = must(read(commands_file())).world_def();
     REQUIRE(verify(must(read(with_definition(good))), nullptr).good());
     Bytes bytes;
@@ -72,7 +73,7 @@ TEST_CASE("every field of the world's definition is covered: changed and sealed 
     CHECK(read_but_bad > 0); // the others are refused at once
 }
 
-TEST_CASE("a definition that would take more than the limit is refused before anything is allocated") {
+TEST_CASE("the verifier rejects a definition above the memory limit before it allocates anything") {
     WorldDef def = must(read(commands_file())).world_def();
     def.bodies_max = def.shapes_max = def.contacts_max = def.pair_filters_max = def.joints_max = 1u << 20;
     def.characters_max = def.vehicles_max = 65536;
@@ -85,7 +86,8 @@ TEST_CASE("a definition that would take more than the limit is refused before an
     CHECK(!verify(must(read_with(commands_file(), {.memory = 1 << 20})), nullptr).good());
 }
 
-TEST_CASE("an image of packed zeros is read without unpacking it, and not played beyond the limit") {
+TEST_CASE(
+    "the reader does not unpack an image of packed zeros and the verifier does not play it above the limit") {
     auto chunks = chunks_of(commands_file());
     const Bytes zeros = packed_zeros(std::uint64_t{130} << 20);
     Bytes& payload = chunks[find_chunk(chunks, chunk_keyframe)].payload;
@@ -98,7 +100,7 @@ TEST_CASE("an image of packed zeros is read without unpacking it, and not played
     CHECK(holds(verify(recording, nullptr).sentence, "the limit is 67108864 (--memory)"));
 }
 
-TEST_CASE("a tick of more work than the limit is refused when it is read") {
+TEST_CASE("the reader rejects a tick with more work than the limit") {
     // The second tick does not continue the first one, so recovery reads the file up to there.
     const auto first_tick = [](std::uint32_t explosions, const Limits& limits) {
         return must(
@@ -111,7 +113,7 @@ TEST_CASE("a tick of more work than the limit is refused when it is read") {
     CHECK(!read_with(commands_file(), {.commands_per_tick = 1}).ok());
 }
 
-TEST_CASE("jobs share the limit of memory and give the verdict of one") {
+TEST_CASE("jobs of a verification share the memory limit and give the verdict of one job") {
     const Bytes file = record_commands(40, {.keyframe_ticks = 5});
     const Recording roomy = must(read(file));
     const std::uint64_t each = Player::memory_of(roomy, roomy.world_def(), roomy.schema());
@@ -215,7 +217,7 @@ Bytes with_dead_id(const Game& game) {
 
 } // namespace
 
-TEST_CASE("the built-in games refuse a dead id in their columns, or go on without it") {
+TEST_CASE("the built-in games reject a dead id in their columns or continue without it") {
     int refused = 0;
     for (const SceneInfo& info : scenes()) {
         CAPTURE(info.name);
@@ -227,8 +229,7 @@ TEST_CASE("the built-in games refuse a dead id in their columns, or go on withou
     CHECK(refused > 150);
 }
 
-TEST_CASE(
-    "a recording whose start names a dead id of the game is refused by verifying, playing and branching") {
+TEST_CASE("verifying and playing and branching reject a recording whose start has a dead id of the game") {
     for (const char* name : {"cars", "character", "two-blocks"}) {
         const std::unique_ptr<Game> game = must(make_scene(name));
         const Recording recording = must(read(with_dead_id(*game)));
@@ -242,7 +243,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a command that a game cannot do without ends the play with a sentence") {
+TEST_CASE("a tick whose game rules fail ends the play with a sentence") {
     const Recording recording = must(read(record_inputs(6)));
     const Failing failing;
     auto player = must(Player::open(recording, failing));
@@ -255,7 +256,7 @@ TEST_CASE("a command that a game cannot do without ends the play with a sentence
 }
 
 TEST_CASE(
-    "in a session a tick whose rules fail runs on, and the first failure is told; a proof ends with it") {
+    "a session runs past a tick whose rules fail and reports the first failure while a proof ends with it") {
     const Failing failing;
     World world = must(failing.start());
     WorldSimulation simulation(world, failing);

@@ -38,8 +38,7 @@ class SmallDisk final : public Sink {
 
 } // namespace
 
-TEST_CASE(
-    "a game with a changed rule diverges at the first tick that the rule touches, however it is verified") {
+TEST_CASE("every way of verifying finds a changed rule of the game at the first tick that the rule affects") {
     const Recording recording = must(read(record_inputs(400, {.keyframe_ticks = 60})));
     REQUIRE(verify(recording, &game).good());
     for (const std::uint64_t from :
@@ -58,7 +57,7 @@ TEST_CASE(
         verify(recording, std::make_unique<SmallGame>(399).get()).good()); // no player jumps: `good` is right
 }
 
-TEST_CASE("a wrong hash of one tick is found at that tick, in both modes") {
+TEST_CASE("the verifier finds a wrong hash of one tick at that tick in both modes") {
     for (const bool is_inputs : {true, false}) {
         const Bytes good =
             is_inputs ? record_inputs(40, {.block_ticks = 8}) : record_commands(40, {.block_ticks = 8});
@@ -75,7 +74,7 @@ TEST_CASE("a wrong hash of one tick is found at that tick, in both modes") {
     }
 }
 
-TEST_CASE("a keyframe that is off by one bit is found by its bytes, or by its hash") {
+TEST_CASE("the verifier finds a keyframe with one wrong bit by its bytes or by its hash") {
     const Bytes good = record_inputs(60, {.keyframe_ticks = 20});
     const Recording recording = must(read(good));
     Bytes image = recording.keyframe_image(1);
@@ -113,7 +112,7 @@ TEST_CASE("a keyframe that is off by one bit is found by its bytes, or by its ha
     CHECK(!player.seek(25));
 }
 
-TEST_CASE("a recording of no ticks, and a shard of no segments, are not good") {
+TEST_CASE("a recording without ticks and a shard without segments do not verify as good") {
     const Recording empty = must(read(record_inputs(0)));
     const VerifyReport nothing = verify(empty, &game);
     CHECK(nothing.verdict == Verdict::vacuous);
@@ -128,7 +127,7 @@ TEST_CASE("a recording of no ticks, and a shard of no segments, are not good") {
     CHECK(verify(recording, &game, {.shards = 0}).verdict == Verdict::unusable);
 }
 
-TEST_CASE("a start that is not the game's is found, though all that follows agrees") {
+TEST_CASE("the verifier finds a start that is not the game's even if all later ticks agree") {
     MemorySink sink;
     World world = must(game.start());
     must(world.set_gravity({Real{}, Real(-8), Real{}})); // lighter: an advantage
@@ -145,7 +144,7 @@ TEST_CASE("a start that is not the game's is found, though all that follows agre
     CHECK(holds(report.sentence, "the recorded start is not the game's: column world.header, row 0, "));
 }
 
-TEST_CASE("a game that is not the recording's is refused before anything runs") {
+TEST_CASE("the verifier rejects a game that is not the recording's before it runs a tick") {
     struct Other : SmallGame {
         std::string label = "small-game";
         std::uint64_t id = 0x5a11;
@@ -174,7 +173,7 @@ TEST_CASE("a game that is not the recording's is refused before anything runs") 
           "test.lsr: cannot be played: it holds inputs, so it needs the game small-game");
 }
 
-TEST_CASE("a disk that fills up at any byte leaves an error and a recording that can be recovered") {
+TEST_CASE("a disk that fills up at any byte gives an error and leaves a recording that can be recovered") {
     const Bytes whole = record_inputs(40, {.keyframe_ticks = 15, .block_ticks = 4});
     for (std::size_t room = 0; room < whole.size(); room += 53) {
         SmallDisk disk(room);
@@ -197,7 +196,7 @@ TEST_CASE("a disk that fills up at any byte leaves an error and a recording that
     }
 }
 
-TEST_CASE("a full device is reported with the file's name and the system's reason") {
+TEST_CASE("the file sink reports a full device with the file's name and the system's reason") {
     auto created = FileSink::create("/dev/full");
     if (!created) return; // not every system has this device
     World world = must(game.start());
@@ -208,7 +207,7 @@ TEST_CASE("a full device is reported with the file's name and the system's reaso
           "/no/such/folder/x.lsr: cannot create the file: No such file or directory");
 }
 
-TEST_CASE("predicted inputs, inputs of a wrong size and of a wrong number are not recorded") {
+TEST_CASE("a recorder rejects predicted inputs and inputs of a wrong size and a wrong number of inputs") {
     const auto attempt = [&](std::span<const PlayerInput> inputs) {
         MemorySink sink;
         const World world = must(game.start());
@@ -223,7 +222,7 @@ TEST_CASE("predicted inputs, inputs of a wrong size and of a wrong number are no
     CHECK(holds(attempt(std::array{good}), "1 inputs for 2 players"));
 }
 
-TEST_CASE("a command that the world refuses on replay is a divergence at its tick") {
+TEST_CASE("a player reports a command that the world rejects on replay at the command's tick") {
     auto chunks = chunks_of(record_commands(3));
     BlockBuilder builder({Mode::commands, 0, 0});
     must(builder.add_commands({}, 1));

@@ -114,7 +114,8 @@ const Bytes& commands_file() {
 
 } // namespace
 
-TEST_CASE("mutated headers, schemas and definitions under good checksums are refused, or change no state") {
+TEST_CASE(
+    "mutated headers and schemas and definitions under valid checksums are rejected or change no state") {
     for (const std::uint32_t type : {chunk_head, chunk_schema, chunk_world_def}) {
         CAPTURE(chunk_name(type));
         for (const Bytes* file : {&inputs_file(), &commands_file()}) {
@@ -125,7 +126,7 @@ TEST_CASE("mutated headers, schemas and definitions under good checksums are ref
     }
 }
 
-TEST_CASE("mutated ticks under good checksums are refused or diverge, and never crash") {
+TEST_CASE("mutated ticks under valid checksums are rejected or diverge and never cause a crash") {
     for (const Bytes* file : {&inputs_file(), &commands_file()}) {
         const int rounds = test::tries(2000);
         const Tally tally = attack(*file, chunk_ticks, rounds, 12);
@@ -134,7 +135,7 @@ TEST_CASE("mutated ticks under good checksums are refused or diverge, and never 
     }
 }
 
-TEST_CASE("mutated keyframes, indexes and ends under good checksums are refused or diverge") {
+TEST_CASE("mutated keyframes and indexes and ends under valid checksums are rejected or diverge") {
     for (const std::uint32_t type : {chunk_keyframe, chunk_index, chunk_end})
         for (const Bytes* file : {&inputs_file(), &commands_file()}) {
             CAPTURE(chunk_name(type));
@@ -144,7 +145,8 @@ TEST_CASE("mutated keyframes, indexes and ends under good checksums are refused 
         }
 }
 
-TEST_CASE("inputs that were changed and packed anew diverge at their tick, unless the game ignores them") {
+TEST_CASE(
+    "changed inputs in a block that is packed again diverge at their tick unless the game ignores them") {
     const auto chunks = chunks_of(inputs_file());
     const Recording original = must(read(inputs_file()));
     SplitMix random(14);
@@ -178,8 +180,7 @@ TEST_CASE("inputs that were changed and packed anew diverge at their tick, unles
     CHECK(tally.unread == 0);
 }
 
-TEST_CASE("a start whose image was forged with all its checksums and hashes is refused or does not match the "
-          "ticks") {
+TEST_CASE("a forged start image with valid checksums and hashes is rejected or does not match the ticks") {
     // The strongest attack: the image's own checksum and the root hashes are valid, so only the world's checks of its
     // state and the new simulation remain.
     const Bytes& good = commands_file();
@@ -221,7 +222,7 @@ TEST_CASE("a start whose image was forged with all its checksums and hashes is r
           loaded / 20); // a force too small for any motion, a game row that is overwritten before it is read
 }
 
-TEST_CASE("a command of an unknown kind is refused by its number") {
+TEST_CASE("the reader rejects a command of an unknown kind and names the kind's number") {
     auto chunks = chunks_of(commands_file());
     BlockBuilder builder({Mode::commands, 0, 0});
     const Command command = DestroyBody{{1, 1}};
@@ -246,7 +247,7 @@ TEST_CASE("a command of an unknown kind is refused by its number") {
     }
 }
 
-TEST_CASE("a recording whose columns would assert or exhaust memory in World::create is refused") {
+TEST_CASE("the verifier rejects a recording whose columns would assert or exhaust memory in World::create") {
     const auto chunks = chunks_of(commands_file());
     const auto with_schema = [&](std::uint32_t row_size, bool per_body, const std::string& name) {
         GameSchema schema;
@@ -274,7 +275,7 @@ TEST_CASE("a recording whose columns would assert or exhaust memory in World::cr
           std::string::npos);
 }
 
-TEST_CASE("assets in a recording of inputs are refused, and a content id in one of commands") {
+TEST_CASE("the reader rejects assets in a recording of inputs and a content id in a recording of commands") {
     const LengthVec3 corners[] = {{}, {Length(1), {}, {}}, {{}, Length(1), {}}, {{}, {}, Length(1)}};
     const AssetBytes hull = bake_hull(corners).value();
     const auto with_asset = [&](const Bytes& file, const AssetBytes& asset) {

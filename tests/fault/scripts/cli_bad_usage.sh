@@ -46,11 +46,11 @@ refused '--seeds' match --seeds 5..2
 for seeds in 99999999999999999999 18446744073709551616 1..-1 -1 ' 1' +1 1.. ..2 1...2 ''; do refused '--seeds' match --seeds="$seeds"; done
 refused 'nowhere/m-3-1.lsr: cannot write' match --seeds 3..4 --ticks 1000000 --record-prefix nowhere/m
 refused '--ticks' match --ticks 18446744073709551615
-refused 'pyramid: nobody plays in it; a match needs a scene with players: ' match pyramid
+refused 'pyramid: has no players; choose a scene with players: ' match pyramid
 refused 'lockstone run --help' run stack --ticks many
 refused 'lockstone match --help' match --nonsense
 refused 'lockstone --help' --nonsense
-refused '--relayed: nobody watches' match --relayed
+refused '--relayed: there are no watchers' match --relayed
 refused '--mode' match --mode telepathy
 refused 'must be 2 to 4' match --peers 9
 
@@ -85,8 +85,8 @@ refused "there is no command '\x1b[31m'" $'\033[31m'
 refused 'holds ticks 0 to 30' replay s.lsr --from 40
 refused 'holds ticks 0 to 30' replay s.lsr --from 20 --to 10
 refused 'holds ticks 0 to 30' branch s.lsr --at 31 -o b.lsr
-refused 'is what is read from' branch s.lsr --at 3 -o ./s.lsr
-refused 'is what is read from' run stack --input s.lsr --record s.lsr
+refused 'is also an input file' branch s.lsr --at 3 -o ./s.lsr
+refused 'is also an input file' run stack --input s.lsr --record s.lsr
 
 # Existing files are safe: an output must not be an input, two outputs must not be one file, and no output changes before all can be written.
 printf '0 0 7f0000\n' >good.txt
@@ -103,12 +103,12 @@ keeps 'missing.txt' branch r.lsr --at 5 --input missing.txt -o precious.lsr
 keeps 'bad.txt: line 1' branch r.lsr --at 5 --input bad.txt -o precious.lsr
 keeps 'does not hold inputs of 2 players' branch r.lsr --at 5 --input s.lsr -o precious.lsr
 keeps 'holds ticks 0 to 30' branch r.lsr --at 31 -o precious.lsr
-keeps 'is what is read from' branch r.lsr --at 5 --input precious.lsr -o link.lsr
-keeps 'is what is read from' replay precious.lsr --hashes precious.lsr
-keeps 'is to hold two' run rollback-arena --ticks 3 --record precious.lsr --hashes precious.lsr
-keeps 'is to hold two' run rollback-arena --ticks 3 --record precious.lsr --hashes link.lsr
-keeps 'is to hold two' run rollback-arena --ticks 3 --hashes precious.lsr --report precious.lsr
-keeps 'is to hold two' run rollback-arena --ticks 3 --record new.lsr --report ./new.lsr
+keeps 'is also an input file' branch r.lsr --at 5 --input precious.lsr -o link.lsr
+keeps 'is also an input file' replay precious.lsr --hashes precious.lsr
+keeps 'is given for two outputs' run rollback-arena --ticks 3 --record precious.lsr --hashes precious.lsr
+keeps 'is given for two outputs' run rollback-arena --ticks 3 --record precious.lsr --hashes link.lsr
+keeps 'is given for two outputs' run rollback-arena --ticks 3 --hashes precious.lsr --report precious.lsr
+keeps 'is given for two outputs' run rollback-arena --ticks 3 --record new.lsr --report ./new.lsr
 keeps 'nowhere/x.lsr' run rollback-arena --ticks 3 --record nowhere/x.lsr --hashes precious.lsr
 keeps 'nowhere/x.lsr' run rollback-arena --ticks 3 --record nowhere/x.lsr --report precious.lsr
 keeps 'missing.txt' run rollback-arena --ticks 3 --input missing.txt --record precious.lsr

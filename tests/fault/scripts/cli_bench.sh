@@ -82,6 +82,6 @@ tr -s ' \n' ' ' <out >help
 for name in $(python3 -c 'import json; print(*(s["scene"] for s in json.load(open("all.json"))["scenes"] if s["scene"] > "T"))'); do
     grep -q -- "$name" help || fail "bench --help leaves $name out"
 done
-refused "nothing to measure called 'S7'" bench S7
+refused "there is no part 'S7'" bench S7
 refused '--substeps' bench --substeps 17
 echo "ok"

@@ -43,7 +43,7 @@ PYTHON
 ! python3 shape.py pyramid broken.json 2>/dev/null || fail "that ours parted was not noticed"
 
 expect 0 compare two-blocks --ticks 60
-grep -q '^first contact: ours tick' out && grep -q '^built twice: Lockstone .* parts: never' out || fail "compare prints no summary"
+grep -q '^first contact: ours tick' out && grep -q '^built twice: Lockstone .* first difference: never' out || fail "compare prints no summary"
 if command -v gnuplot >/dev/null; then
     expect 0 compare two-blocks --ticks 60 --plot six.svg
     expect 0 compare two-blocks --ticks 60 --drift --plot drift.svg
@@ -65,7 +65,7 @@ refused 'nowhere/p.svg: cannot write: No such file' compare two-blocks --ticks 3
 mkdir empty && for tool in bash cat env sh; do ln -s "$(command -v $tool)" empty/; done
 status=0
 PATH=$PWD/empty "$lockstone" compare two-blocks --ticks 3 --json --plot p.svg >out 2>err || status=$?
-[ $status -eq 2 ] && [ "$(wc -l <err)" -eq 1 ] && grep -q 'there is no gnuplot; the Debian package' err || fail "a missing gnuplot is told otherwise: $(cat err)"
+[ $status -eq 2 ] && [ "$(wc -l <err)" -eq 1 ] && grep -q 'gnuplot is missing; install it' err || fail "a missing gnuplot is told otherwise: $(cat err)"
 python3 -c 'import json; json.load(open("out"))' || fail "what was found is not printed without gnuplot"
 printf '#!/bin/sh\necho noise\nexit 3\n' >empty/gnuplot && chmod +x empty/gnuplot
 PATH=$PWD/empty "$lockstone" compare two-blocks --ticks 3 --json --plot p.svg >out 2>err || status=$?

@@ -100,7 +100,7 @@ for few in "0 --depth 1" "7" "20 --depth 64"; do
     grep -q 'nothing would be compared' err && ! grep -q 'bit-exact' out || fail "synctest --ticks $few compares nothing, and says: $(cat out err)"
 done
 expect 0 replay rollback-arena.lsr --from 5 --to 5
-grep -q 'no tick was asked for; the state at time 5 has the recorded hash' out || fail "replay of no tick says: $(cat out)"
+grep -q 'the range contains no tick; the state at time 5 has the recorded hash' out || fail "replay of no tick says: $(cat out)"
 ! grep -q 'bit-exact' out || fail "replay of no tick calls it bit-exact"
 
 # ---- planted faults: snapshots lack one column ----
@@ -131,6 +131,6 @@ expect 1 replay planted-1-2.lsr --from 30 --to 31
 grep -Eq "against [0-9a-f]{8}$theirs$" out || fail "machine 2 has recorded another hash than was told, $theirs: $(cat out)"
 # A lost connection is reported as a loss, with the number of the machine, and not as a difference.
 expect 1 match --latency 10000 --ticks 60
-grep -q 'machine 2: has lost machine 1, or was lost by it' out && grep -q 'machine 1: player 2 left at tick' out || fail "a loss is not told: $(cat out)"
+grep -q 'machine 2: lost the connection to machine 1; from tick' out && grep -q 'machine 1: player 2 left at tick' out || fail "a loss is not told: $(cat out)"
 ! grep -q 'differs from' out || fail "a loss is called a difference: $(cat out)"
 echo "ok"

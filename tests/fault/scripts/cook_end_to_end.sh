@@ -99,7 +99,7 @@ expect 0 cook grid.obj --as mesh -o grid.lsa
 refused 2 "'63' is not a whole number from 64" grid.obj --memory 63
 cp "$samples/gem.stl" gem.stl
 expect 2 cook gem.stl -o ./gem.stl
-grep -q 'is what is read from' err || fail "the model may be overwritten: $(cat err)"
+grep -q 'is also an input file' err || fail "the model may be overwritten: $(cat err)"
 expect 2 cook gem.stl -o nowhere/gem.lsa
 grep -q 'nowhere/gem.lsa' err || fail "the sentence does not name the output: $(cat err)"
 : >empty.obj

@@ -79,7 +79,7 @@ done
 ends 0 d $broadcast
 grep -q "^showed $ticks of $ticks ticks to at most 3 at one time" d || fail "the broadcast tells something else: $(cat d)"
 ends 2 v $alone
-grep -q 'the host has said nothing for twenty seconds' v || fail "who is shown the host alone is told something else: $(cat v)"
+grep -q 'the host has sent nothing for 20 seconds' v || fail "who is shown the host alone is told something else: $(cat v)"
 expect 0 verify v.lsr # the recording of the ticks that the watcher saw
 echo "broadcast: $(tail -n 1 d)"
 
@@ -91,6 +91,6 @@ refused() { # WORDS ARGUMENT...: checks for status 2 and one error sentence that
 }
 refused "is no invitation" ABC --key relay.key
 refused 'needs the code too' "$at" --key relay.key
-refused 'is there already' "ABCDEFGH@$at" --key relay.key --new-key
+refused 'exists already' "ABCDEFGH@$at" --key relay.key --new-key
 refused 'the lobby knows no such code' "ABCDEFGH@$at" --key relay.key
 echo ok

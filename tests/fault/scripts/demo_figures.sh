@@ -27,7 +27,7 @@ recorded early two-blocks --ticks 30
 recorded apart terrain --size 2 --ticks 300
 recorded stacked stack --size 2 --ticks 10
 recorded many stack --ticks 10
-refused 'early.lsr: nothing touches anything within 30 ticks' early.lsr
+refused 'early.lsr: no bodies touch within 30 ticks' early.lsr
 refused 'apart.lsr: the blocks never meet within 300 ticks' apart.lsr
 refused 'stacked.lsr: the blocks meet at tick 1, but not' stacked.lsr
 refused 'many.lsr: the figures need two dynamic bodies' many.lsr

@@ -79,9 +79,9 @@ fi
 for way in "" --netplay; do
     # shellcheck disable=SC2086
     {
-        keeps 'is what is read from' same.txt $way --input same.txt --record same.txt
-        keeps 'is what is read from' same.lsr $way --input same.lsr --record ./same.lsr
-        keeps 'is what is read from' same.lsr $way --input same.lsr --record link.lsr
+        keeps 'is also an input file' same.txt $way --input same.txt --record same.txt
+        keeps 'is also an input file' same.lsr $way --input same.lsr --record ./same.lsr
+        keeps 'is also an input file' same.lsr $way --input same.lsr --record link.lsr
         keeps 'nowhere/x.lsr: cannot write' same.lsr $way --record nowhere/x.lsr
     }
 done

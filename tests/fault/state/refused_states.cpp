@@ -137,7 +137,7 @@ void push(State& s, const M& m, bool resting) {
 
 } // namespace
 
-TEST_CASE("shared rows: broken indexes, counts, free lists and doubles are refused") {
+TEST_CASE("shared rows: a world rejects broken indexes and counts and free lists and duplicates") {
     const World w = touching();
     const M of_w = sim::make_manifest(w.def(), {});
     REQUIRE(w.state().rows(of_w.header)[0].body_traits_free != 0);
@@ -178,7 +178,8 @@ TEST_CASE("shared rows: broken indexes, counts, free lists and doubles are refus
               {"friction", [](State& s, const M& m) { shape_like_first(s, m).friction = Real(-1); }}});
 }
 
-TEST_CASE("contact rows and forces that are not as many as contacts and bodies say are refused") {
+TEST_CASE(
+    "a world rejects contact rows and forces whose number differs from that of the contacts and bodies") {
     const World w = touching();
     const M of_w = sim::make_manifest(w.def(), {});
     REQUIRE(w.state().count(of_w.contacts.more) == 1);
@@ -205,7 +206,7 @@ TEST_CASE("contact rows and forces that are not as many as contacts and bodies s
             [](State& s, const M& m) { *std::ranges::find(s.edit(m.body_push), 0u) = 2; }}});
 }
 
-TEST_CASE("broken joint lists, and joints that no command could make, are refused") {
+TEST_CASE("a world rejects broken joint lists and joints that no command can make") {
     const auto leads_to = [](State& s, const M& m, bool itself) {
         for (sim::JointRow& j : s.edit(m.joint)) j.next_a = j.next_b = itself ? j.id.index : 0;
     };
@@ -239,8 +240,8 @@ TEST_CASE("broken joint lists, and joints that no command could make, are refuse
            {"joint", [](State& s, const M& m) { s.edit_row(m.joint, 1).id.index = 12; }}});
 }
 
-TEST_CASE(
-    "broken rings of sleepers, rows on the wrong side of those awake, and rest that moves are refused") {
+TEST_CASE("a world rejects broken rings of sleepers and rows in the wrong awake range and resting bodies "
+          "that move") {
     const World w = joined();
     REQUIRE(!w.is_awake(w.body_at(w.body_count() - 1)));
     REQUIRE(w.state().rows(sim::make_manifest(w.def(), {}).header)[0].joints_awake == 2);
@@ -263,7 +264,7 @@ TEST_CASE(
               {"moves, but stands among resting bodies", [](State& s, const M& m) { push(s, m, true); }}});
 }
 
-TEST_CASE("characters with a body or shape that is not theirs, and fields of no kind, are refused") {
+TEST_CASE("a world rejects characters with a wrong body or shape and fields of an unknown kind") {
     check(walking(),
           {{"character.row", [](State& s, const M& m) { s.edit_row(m.character, 0).body.index = 0; }},
            {"character.row", [](State& s, const M& m) { s.edit_row(m.character, 0).shape.index = 200; }},
@@ -274,7 +275,7 @@ TEST_CASE("characters with a body or shape that is not theirs, and fields of no 
             [](State& s, const M& m) { s.edit_row(m.field, 0).def.kind = static_cast<FieldKind>(99); }}});
 }
 
-TEST_CASE("gravity, damping, masses and densities out of the commands' ranges are refused") {
+TEST_CASE("a world rejects gravity and damping and masses and densities outside the ranges of the commands") {
     const auto gravity = [](Real y) {
         return [y](State& s, const M& m) { s.edit_row(m.header, 0).gravity.y = y; };
     };

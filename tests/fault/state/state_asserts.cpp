@@ -18,7 +18,7 @@ bool begins_with(const std::string& text, std::string_view start) {
 
 } // namespace
 
-TEST_CASE("a programmer's error aborts with the rule and the values") {
+TEST_CASE("a programming error aborts with the broken rule and the values") {
     const Sample s = make_sample();
     State state(s.layout);
     CHECK(begins_with(last_words([&] { state.resize(s.body, 9); }),

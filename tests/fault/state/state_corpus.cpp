@@ -44,7 +44,7 @@ fuzz::Buffer at_edge(unsigned world, std::uint8_t column, std::uint8_t row, std:
 
 } // namespace
 
-TEST_CASE("state corpus: a watcher and a machine that joins begin at the state that the checks send them") {
+TEST_CASE("state corpus: a spectator and a joining machine start from the state that the checks send") {
     for (std::size_t base = 0; base < fuzz::base_count; ++base)
         for (const bool joins : {false, true}) {
             INFO("world ", base, joins ? ", joins" : ", watches");
@@ -55,7 +55,8 @@ TEST_CASE("state corpus: a watcher and a machine that joins begin at the state t
         }
 }
 
-TEST_CASE("state corpus: it holds every seed, and all of it is refused or ticks on") {
+TEST_CASE(
+    "state corpus: the corpus holds every seed and the loader rejects each input or the world ticks on") {
     const std::vector<fuzz::Seed> seeds = fuzz::state_seeds();
     const std::vector<fuzz::Buffer> all = fuzz::corpus("state", seeds);
     for (const fuzz::Seed& seed : seeds)
@@ -70,7 +71,7 @@ TEST_CASE("state corpus: it holds every seed, and all of it is refused or ticks 
     CHECK(taken < all.size());
 }
 
-TEST_CASE("state corpus: hundreds of mutations are refused or tick on") {
+TEST_CASE("state corpus: the loader rejects each of hundreds of mutations or the world ticks on") {
     const std::vector<fuzz::Buffer> all = fuzz::corpus("state", {});
     Random random = Random::seeded(2026);
     std::size_t taken = 0;
@@ -85,7 +86,7 @@ TEST_CASE("state corpus: hundreds of mutations are refused or tick on") {
     CHECK(taken < count);
 }
 
-TEST_CASE("state corpus: any number of any row at its edges is refused or ticks on") {
+TEST_CASE("state corpus: the loader rejects an edge value of any number in any row or the world ticks on") {
     std::size_t taken = 0, fields = 0;
     const std::size_t step = std::getenv("LOCKSTONE_LONG") != nullptr ? 1 : 97;
     for_each_number([&](std::uint8_t world, std::uint8_t column, std::uint8_t row, std::uint16_t leaf) {
@@ -104,7 +105,7 @@ TEST_CASE("state corpus: any number of any row at its edges is refused or ticks 
     CHECK(taken > 4 * fields / step);
 }
 
-TEST_CASE("state corpus: numbers that no command and no tick makes are refused") {
+TEST_CASE("state corpus: the loader rejects numbers that no command and no tick can make") {
     struct Wrong {
         const char *column, *field;
         std::uint8_t edge;
@@ -130,7 +131,7 @@ TEST_CASE("state corpus: numbers that no command and no tick makes are refused")
     }
 }
 
-TEST_CASE("state corpus: planted loaders are found out") {
+TEST_CASE("state corpus: the check finds planted faults of loaders") {
     using fuzz::StateInput;
     const fuzz::WorldLoader right;
     const fuzz::Buffer good = seed_named("joints_image_good"), bad = seed_named("blocks_image_splice");
@@ -159,7 +160,7 @@ TEST_CASE("state corpus: planted loaders are found out") {
           std::string::npos);
 }
 
-TEST_CASE("state corpus: planted, two worlds that are not the same tick otherwise") {
+TEST_CASE("state corpus: planted: the check finds two different worlds that tick differently") {
     fuzz::Subjects subjects(fuzz::base_of(0));
     CHECK(fuzz::check_ticks(subjects) == "");
     fuzz::Subjects others(fuzz::base_of(0));

@@ -74,13 +74,13 @@ template <class Check> std::string first_resealed(Check&& check) {
 
 } // namespace
 
-TEST_CASE("a delta as it was saved is taken") {
+TEST_CASE("a state accepts a delta that is unchanged since it was saved") {
     State state = pair().from;
     REQUIRE(state.apply_delta(pair().delta).ok());
     CHECK(same_bytes(state.block_bytes(), pair().to.block_bytes()));
 }
 
-TEST_CASE("every change of a single byte of a delta is refused") {
+TEST_CASE("a state rejects a delta with any change of a single byte") {
     for (std::size_t at = 0; at < pair().delta.size(); ++at)
         for (unsigned flip = 1; flip < 256; ++flip) {
             Bytes delta = pair().delta;
@@ -91,7 +91,7 @@ TEST_CASE("every change of a single byte of a delta is refused") {
     CHECK(first_resealed([](const Bytes& delta) { return misused(delta); }) == "");
 }
 
-TEST_CASE("every truncated delta is refused, sealed or not, and so is every byte too many") {
+TEST_CASE("a state rejects every truncated delta and every extra byte with an old or a new checksum") {
     for (std::size_t size = 0; size < pair().delta.size(); ++size) {
         Bytes delta(pair().delta.begin(), pair().delta.begin() + static_cast<std::ptrdiff_t>(size));
         refusal(delta, pair().from);
@@ -106,7 +106,7 @@ TEST_CASE("every truncated delta is refused, sealed or not, and so is every byte
     CHECK(refusal(longer, pair().from).find("ends here, but 1 bytes follow") != std::string::npos);
 }
 
-TEST_CASE("random bytes under a right head and checksum are refused or taken whole") {
+TEST_CASE("a state rejects random bytes under a valid head and checksum or applies them completely") {
     SplitMix random(3);
     for (int i = 0; i < 3000; ++i) {
         Bytes delta(pair().delta.begin(), pair().delta.begin() + 44);
@@ -119,7 +119,7 @@ TEST_CASE("random bytes under a right head and checksum are refused or taken who
     }
 }
 
-TEST_CASE("a delta is refused by every base but its own, and says so") {
+TEST_CASE("a state rejects a delta of another base and reports this reason") {
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
         CHECK(refusal(pair().delta, random_state(pair().s, seed))
                   .starts_with("state delta: hash of the base is 0x"));
@@ -127,7 +127,7 @@ TEST_CASE("a delta is refused by every base but its own, and says so") {
           std::string::npos);
 }
 
-TEST_CASE("a delta's refusal names the place and both values") {
+TEST_CASE("the error of a rejected delta names the place and both values") {
     CHECK(refusal(pair().from.save_portable(), pair().from) ==
           "state delta: not a state delta: it should begin with 'LSDELTA' and a line feed (at byte 0)");
     Bytes delta = pair().delta;
@@ -154,8 +154,8 @@ TEST_CASE("a delta's refusal names the place and both values") {
           std::string::npos);
 }
 
-TEST_CASE(
-    "planted fault: a reader that trusts the bytes, or leaves a half-made state, is caught by these checks") {
+TEST_CASE("planted fault: the checks find a reader that trusts the bytes and a reader that leaves a partial "
+          "state") {
     const auto trusting = [](State& state, const Bytes& delta) -> Status {
         State next = pair().to; // as if applied, without a check of the hash
         if (delta[50] != pair().delta[50]) next.edit_row(pair().s.velocity, 0).x.raw ^= 1;

@@ -58,11 +58,11 @@ State small_state(const Sample& s) { return random_state(s, 3, 171, 5, 21); }
 
 } // namespace
 
-TEST_CASE("flipping any bit of any live row or count changes the root hash") {
+TEST_CASE("a flip of any bit of any live row or count changes the root hash") {
     CHECK(first_unhashed_bit(small_state(make_sample()), [](const State& s) { return s.hash(); }) == "");
 }
 
-TEST_CASE("a hash that skips a column, a page or a count is caught") {
+TEST_CASE("the check finds a hash that skips a column or a page or a count") {
     const State state = small_state(make_sample());
     const auto found = [&](const Omission& omit) {
         return first_unhashed_bit(state, [&](const State& s) { return partial_hash(s, omit); });
@@ -74,7 +74,7 @@ TEST_CASE("a hash that skips a column, a page or a count is caught") {
     CHECK(found({.table = "tag"}) == "tag count bit 0");
 }
 
-TEST_CASE("hash() is the root of hash_tree(), and every node of the path changes with a row") {
+TEST_CASE("hash() is the root of hash_tree() and a changed row changes every node of its path") {
     const Sample s = make_sample();
     for (std::uint64_t seed = 1; seed <= 30; ++seed) {
         const State state = random_state(s, seed);
@@ -93,7 +93,7 @@ TEST_CASE("hash() is the root of hash_tree(), and every node of the path changes
     CHECK(after.pages[s.manifold.index][1] != before.pages[s.manifold.index][1]);
 }
 
-TEST_CASE("columns of equal rows but other names have other hashes") {
+TEST_CASE("columns with equal rows and different names have different hashes") {
     const auto root = [](const char* name) {
         StateLayout layout;
         layout.add_column<Real>(layout.add_table("t", 4), name, Group::game);
@@ -105,7 +105,7 @@ TEST_CASE("columns of equal rows but other names have other hashes") {
     CHECK(root("a") == root("a"));
 }
 
-TEST_CASE("two trees are descended to the pages that differ") {
+TEST_CASE("the comparison of two hash trees finds the pages that differ") {
     const Sample s = make_sample();
     State left = random_state(s, 8, 400, 0, 4), right = left;
     CHECK(differing_pages(left.hash_tree(), right.hash_tree()).empty());

@@ -71,7 +71,7 @@ Bytes small_image() { return random_state(make_sample(), 3, 4, 5, 17).save_porta
 
 } // namespace
 
-TEST_CASE("the portable bytes of a tiny state are these") {
+TEST_CASE("the portable bytes of a tiny state equal bytes computed by hand") {
     StateLayout layout;
     const TableId t = layout.add_table("t", 4);
     const auto speed = layout.add_column<Speed>(t, "t.speed", Group::motion);
@@ -102,7 +102,7 @@ TEST_CASE("the portable bytes of a tiny state are these") {
     CHECK(same_bytes(read.block_bytes(), state.block_bytes()));
 }
 
-TEST_CASE("every truncation is refused, sealed or not, and so is every byte too many") {
+TEST_CASE("a state rejects every truncated image with an old or a new checksum and every extra byte") {
     const Bytes image = small_image();
     for (std::size_t size = 0; size < image.size(); ++size) {
         Bytes cut(image.begin(), image.begin() + static_cast<std::ptrdiff_t>(size));
@@ -116,7 +116,7 @@ TEST_CASE("every truncation is refused, sealed or not, and so is every byte too 
     refusal(longer);
 }
 
-TEST_CASE("every change of a single byte is refused") {
+TEST_CASE("a state rejects an image with any change of a single byte") {
     Bytes image = small_image();
     for (std::byte& byte : image)
         for (unsigned flip = 1; flip < 256; flip += test::is_too_long_here() ? 17u : 1u) {
@@ -126,7 +126,7 @@ TEST_CASE("every change of a single byte is refused") {
         }
 }
 
-TEST_CASE("a changed byte under a right checksum is refused, or is what the state then holds") {
+TEST_CASE("a state rejects a changed byte under a valid checksum or holds this byte afterwards") {
     const Bytes original = small_image();
     std::size_t accepted = 0;
     for (std::size_t at = 0; at + 8 < original.size(); ++at)
@@ -149,7 +149,7 @@ TEST_CASE("a changed byte under a right checksum is refused, or is what the stat
     CHECK(accepted > 4 * (3 * (40 + 12 + 16 + 1) + 4 * 24));
 }
 
-TEST_CASE("a refusal names the place and both values") {
+TEST_CASE("the error of a rejected image names the place and both values") {
     const Bytes original = small_image();
     const auto with_u32 = [&](std::size_t at, std::uint32_t value) {
         Bytes image = original;
@@ -193,7 +193,7 @@ TEST_CASE("a refusal names the place and both values") {
           base::join("state image: ends here, but 5 bytes follow (at byte ", original.size() - 8, ")"));
 }
 
-TEST_CASE("an image of another manifest is refused, naming the first column that differs") {
+TEST_CASE("a state rejects an image of another manifest and names the first column that differs") {
     const auto layout_with = [](const char* name, std::uint8_t fraction_bits) {
         StateLayout layout;
         layout.add_column(layout.add_table("t", 2), name, Group::game, 4,
@@ -210,7 +210,7 @@ TEST_CASE("an image of another manifest is refused, naming the first column that
     CHECK(fields.ends_with("in this build: the fields of some column differ (at byte 20)"));
 }
 
-TEST_CASE("a table without columns may hold the largest count") {
+TEST_CASE("a table without columns can hold the largest count") {
     StateLayout layout;
     layout.add_table("unused", 0xffffffffu);
     Sample s{};

@@ -14,8 +14,7 @@ void write_unseen(const State& state, Column<Manifold> column, std::uint32_t row
 
 } // namespace
 
-TEST_CASE("planted fault: a write that goes past edit makes the hash stale and "
-          "fails the self-check") {
+TEST_CASE("planted fault: a write without State::edit makes the hash stale and fails the self-check") {
     const Sample s = make_sample();
     State state = random_state(s, 8, 400, 10, 1);
     const std::uint64_t before = state.hash();
@@ -33,8 +32,8 @@ TEST_CASE("planted fault: a write that goes past edit makes the hash stale and "
     CHECK(state.hash() != before);
 }
 
-TEST_CASE("planted fault: a write that goes past edit is found against the "
-          "image that was saved before") {
+TEST_CASE("planted fault: the self-check finds a write without State::edit against an image that was saved "
+          "before") {
     const Sample s = make_sample();
     const State state = random_state(s, 8, 400, 10, 1);
     Image image;

@@ -55,7 +55,7 @@ void wander(const Owned& ground, std::uint64_t seed, double place = 0) {
 
 } // namespace
 
-TEST_CASE("a ball meets the same triangles whatever was kept of its last cast") {
+TEST_CASE("a ball cast hits the same triangles with any cache of earlier casts and without one") {
     const auto flat = [](double, double) { return 0.0; };
     const auto rough = [](double x, double z) { return 0.3 * std::sin(2 * x) * std::cos(3 * z); };
     wander(mesh(grid(-8, -8, 1, 16, 16, 0, 0, flat)), 1);

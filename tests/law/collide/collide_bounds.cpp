@@ -36,7 +36,7 @@ std::string check_bounds(const Bounds& bounds, const Geometry& g, const Transfor
 
 } // namespace
 
-TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is reported") {
+TEST_CASE("bounds are rounded outward by at most two steps and the check reports wrong bounds") {
     constexpr ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box};
     oracle::RandomReal random(21);
     for (int i = 0; i < 20000; ++i) {
@@ -104,7 +104,8 @@ Entry random_entry(oracle::RandomReal& random, int i) {
 
 } // namespace
 
-TEST_CASE("bounds and axes of many capsules and boxes are those of each, by every instruction set") {
+TEST_CASE(
+    "every instruction set computes the same bounds and axes for many capsules and boxes as for each alone") {
     for (const Simd level :
          {Simd::scalar, Simd::sse41, Simd::avx2, Simd::avx512, Simd::neon, Simd::wasm128}) {
         const solve::Kernels* kernels = solve::kernels_of(level);
@@ -147,7 +148,7 @@ TEST_CASE("bounds and axes of many capsules and boxes are those of each, by ever
     }
 }
 
-TEST_CASE("bounds beyond the range are clamped to the border and still meet there") {
+TEST_CASE("bounds beyond the range are clamped to the border and still overlap there") {
     const Transform far{{10'000'000_r, 0_r, 0_r}, Quat::identity()},
         further{{20'000'000_r, 0_r, 0_r}, Quat::identity()};
     const Bounds a = bounds_of({sphere(1_r)}, far, Length{}), b = bounds_of({sphere(1_r)}, further, Length{});
@@ -159,14 +160,14 @@ TEST_CASE("bounds beyond the range are clamped to the border and still meet ther
     CHECK(wide.upper.x < Bound::max());
 }
 
-TEST_CASE("a plane fills all space") {
+TEST_CASE("the bounds of a plane contain all space") {
     const Bounds everything = bounds_of({plane()}, Transform::identity(), Length{});
     CHECK(
         contains(everything, bounds_of({sphere(1_r)}, {{-90'000_r, 9_r, 0_r}, Quat::identity()}, Length{})));
     CHECK(half_area(everything) > 0);
 }
 
-TEST_CASE("closed bounds touch at a shared border") {
+TEST_CASE("two closed bounds that share a border overlap") {
     const auto at = [](std::int32_t low, std::int32_t high) {
         const Bound l = Bound::from_raw(low), h = Bound::from_raw(high);
         return Bounds{{l, l, l}, {h, h, h}};

@@ -93,7 +93,8 @@ std::string check_pairs(const std::vector<ProxyPair>& found, const std::vector<P
 
 } // namespace
 
-TEST_CASE("three histories of one moving crowd yield the brute-force pairs in every frame") {
+TEST_CASE("three broad phases with different histories find the brute-force pairs of a moving crowd in every "
+          "frame") {
     constexpr std::uint32_t count = 300;
     Crowd crowd(count, 7, 1);
     oracle::RandomReal random(2);
@@ -136,7 +137,7 @@ TEST_CASE("three histories of one moving crowd yield the brute-force pairs in ev
     CHECK(total > 20000);
 }
 
-TEST_CASE("a tree that drops a pair, adds one or forgets the order is reported") {
+TEST_CASE("the check reports a broad phase that drops a pair or adds one or breaks the order") {
     Crowd crowd(100, 4, 3);
     const std::vector<ProxyPair> expected = crowd.brute_force();
     REQUIRE(expected.size() > 50);
@@ -165,7 +166,8 @@ TEST_CASE("a tree that drops a pair, adds one or forgets the order is reported")
     CHECK(check_pairs(pairs, crowd.brute_force()) != "");
 }
 
-TEST_CASE("of a crowd the first pairs are found, whatever was found or given up before") {
+TEST_CASE("the broad phase finds the first pairs of a crowd after searches that succeeded and searches that "
+          "gave up") {
     constexpr std::uint32_t count = 300;
     Crowd crowd(count, 3, 7);
     oracle::RandomReal random(8);
@@ -193,7 +195,7 @@ TEST_CASE("of a crowd the first pairs are found, whatever was found or given up 
     CHECK(listed > 10);
 }
 
-TEST_CASE("a filter is remembered until it is another, and then asked about all pairs again") {
+TEST_CASE("the broad phase caches the answers of a filter and calls a new filter for all pairs") {
     constexpr std::uint32_t count = 200;
     Crowd crowd(count, 5, 9);
     oracle::RandomReal random(10);
@@ -223,7 +225,8 @@ TEST_CASE("a filter is remembered until it is another, and then asked about all 
     CHECK(asked == 0);
 }
 
-TEST_CASE("a box finds the sorted proxies that it overlaps or, on short and long ways, may meet") {
+TEST_CASE("a query returns the sorted proxies that a box overlaps or that a swept box may meet on short and "
+          "long paths") {
     constexpr std::uint32_t count = 400;
     Crowd crowd(count, 8, 6);
     BroadPhase phase(count);
@@ -262,7 +265,7 @@ TEST_CASE("a box finds the sorted proxies that it overlaps or, on short and long
     CHECK(more_than_begun > 100); // planted: the box at the start of the way misses some
 }
 
-TEST_CASE("a crowd in steady motion allocates nothing") {
+TEST_CASE("the broad phase allocates no memory for a crowd in steady motion") {
     constexpr std::uint32_t count = 500;
     Crowd crowd(count, 10, 9);
     BroadPhase phase(count);

@@ -163,7 +163,7 @@ TEST_CASE("a table of a compound stands on a plane and on a mesh with its four l
     }
 }
 
-TEST_CASE("contacts of a compound with planes, meshes and height fields are those of its parts") {
+TEST_CASE("a compound has the contacts of its parts with planes and meshes") {
     const Owned ground = mesh(grid(-6, -6, 0.7, 18, 18, 0.2, 3, [](double x, double z) {
         return 0.2 * std::sin(2 * x) * std::cos(1.5 * z);
     }));
@@ -176,7 +176,7 @@ TEST_CASE("contacts of a compound with planes, meshes and height fields are thos
     CHECK(wrong_places(ground.solid, 1, 2, 0.003, hits) > 50);
 }
 
-TEST_CASE("a compound of one box is that box") {
+TEST_CASE("a compound of one box has the contacts of that box") {
     const Quat turn = quat_of({0.2, 0.5, -0.3}, 0.9);
     const Quat part_turn = normalized(turn);
     const D3 place{0.3, -0.2, 0.5};
@@ -211,7 +211,7 @@ TEST_CASE("a compound of one box is that box") {
     CHECK(hits > 150);
 }
 
-TEST_CASE("two compounds meet as their parts do, whichever kind is the greater") {
+TEST_CASE("two compounds have the contacts of their parts in both orders of the parts' kinds") {
     const Owned a = compound({{sphere(0.3_r), {0.5, 0.1, 0}, Quat::identity()},
                               {box(0.2_r, 0.2_r, 0.2_r), {-0.6, 0, 0}, quat_of({0, 1, 0}, 0.4)}});
     // B's box lies over A's ball, 1 mm deep, and B's ball over A's box, 2 mm apart; B is turned by a quarter.
@@ -235,7 +235,7 @@ TEST_CASE("two compounds meet as their parts do, whichever kind is the greater")
     CHECK(is_at({-0.6, 0.201, 0}, 0.002));
 }
 
-TEST_CASE("a ray meets of a compound what it meets first of its parts, in any number of them") {
+TEST_CASE("a ray hits a compound at the first hit among its parts for any number of parts") {
     oracle::RandomReal random(77);
     for (const std::size_t count : {1u, 8u, 9u, 70u, 600u}) {
         std::vector<Part> parts;

@@ -66,7 +66,7 @@ std::uint32_t furthest_of(const shapes::Hull& hull, const std::int32_t (&n)[3]) 
 
 } // namespace
 
-TEST_CASE("every instruction set finds the same corner of a hull, and how far it reaches") {
+TEST_CASE("every instruction set finds the same furthest corner of a hull and the same reach along an axis") {
     AssetLibrary library;
     oracle::RandomReal random(31);
     std::vector<shapes::Solid> solids{block(library, 0.5), block(library, 99.9)};
@@ -102,7 +102,7 @@ TEST_CASE("every instruction set finds the same corner of a hull, and how far it
     CHECK(ties > 1000);
 }
 
-TEST_CASE("the last of two equally far corners would be noticed") {
+TEST_CASE("planted fault: the check reports a search that returns the last of two equally far corners") {
     AssetLibrary library;
     const shapes::Solid cube = block(library, 0.5);
     const std::int32_t up[3] = {0, 1 << 30, 0};
@@ -218,7 +218,7 @@ class KeptManifolds {
 
 } // namespace
 
-TEST_CASE("a face that is kept parts two shapes as well as one that is searched for") {
+TEST_CASE("a cached face separates two shapes as well as the face that a new search finds") {
     KeptManifolds pairs;
     for (int i = 0; i < 60000; ++i) pairs.look(true);
     MESSAGE(pairs.looked_at, " faces, ", pairs.changed, " left for others, ", pairs.parted,
@@ -233,7 +233,8 @@ TEST_CASE("a face that is kept parts two shapes as well as one that is searched 
 
 // The points of crossing edges come from rounded lengths of 24 fraction bits, three per coordinate, at an angle whose
 // sine is at least a twelfth.
-TEST_CASE("crossing edges that are kept part two shapes as well as a search does, at the same point") {
+TEST_CASE("cached crossing edges separate two shapes as well as a new search does and have the same contact "
+          "point") {
     KeptManifolds pairs;
     for (int i = 0; i < 60000; ++i) pairs.look(false);
     MESSAGE(pairs.looked_at, " pairs of edges, ", pairs.changed, " with another normal, ", pairs.parted,

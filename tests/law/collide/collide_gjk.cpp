@@ -88,7 +88,7 @@ struct Fault {
 
 } // namespace
 
-TEST_CASE("polytopes of every quality have proved closest points and least moves") {
+TEST_CASE("the closest points and least separating moves of polytopes of every quality are proved") {
     RandomReal random(17);
     const int count = test::is_long_run() ? 100'000 : test::tries(3000);
     int overlaps = 0, flat_apart = 0;
@@ -138,7 +138,8 @@ bool is_proved(const std::vector<D3>& corners, D3 point, const collide::Gap& gap
 
 } // namespace
 
-TEST_CASE("a triangle and a point have a proved gap, and one to another place of the triangle is noticed") {
+TEST_CASE("the gap of a triangle and a point is proved and the check rejects the gap to another place of the "
+          "triangle") {
     RandomReal random(23);
     int gaps = 0, noticed = 0;
     for (int i = 0; i < test::tries(4000); ++i) {
@@ -175,7 +176,7 @@ TEST_CASE("a triangle and a point have a proved gap, and one to another place of
     CHECK(noticed > test::tries(4000) / 4);
 }
 
-TEST_CASE("the same cores from either side are as far apart, and every call gives the same bits") {
+TEST_CASE("two cores have the same distance from both sides and every call returns the same bits") {
     RandomReal random(19);
     for (int i = 0; i < test::tries(1500); ++i) {
         const double size = random.log_uniform(0.05, 3);
@@ -195,7 +196,8 @@ TEST_CASE("the same cores from either side are as far apart, and every call give
     }
 }
 
-TEST_CASE("a search with a limit stops early and never says near of what is far") {
+TEST_CASE(
+    "a search with a limit stops early and never returns a distance within the limit for cores beyond it") {
     RandomReal random(23);
     int stopped = 0;
     const int count = test::tries(3000);
@@ -219,7 +221,7 @@ TEST_CASE("a search with a limit stops early and never says near of what is far"
     CHECK(stopped > count / 30);
 }
 
-TEST_CASE("flat, coincident and touching cores have a defined answer") {
+TEST_CASE("flat or coincident or touching cores have a defined normal and distance") {
     const Convex::Core cores[] = {Convex::Core::point, Convex::Core::segment, Convex::Core::box,
                                   Convex::Core::cylinder, Convex::Core::cone};
     constexpr std::int64_t one = std::int64_t{1} << 30, unit = std::int64_t{1} << 24;
@@ -239,7 +241,7 @@ TEST_CASE("flat, coincident and touching cores have a defined answer") {
             }
 }
 
-TEST_CASE("the judges of closest points and depths notice planted faults" *
+TEST_CASE("the judges of closest points and depths report planted faults" *
           doctest::skip(lockstone::test::is_small_sample())) {
     Fault faults[] = {
         {"a flipped normal", [](CoreAnswer& x) { x.normal = x.normal * -1.0; }, true, true},

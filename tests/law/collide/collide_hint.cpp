@@ -34,7 +34,7 @@ bool same(const Manifolds& a, const Manifolds& b) {
 
 } // namespace
 
-TEST_CASE("manifolds are the same with any hint") {
+TEST_CASE("the manifolds are the same with any hint and without one") {
     AssetLibrary library;
     oracle::RandomReal random(11);
     const shapes::Solid all[] = {ball_hull(library, random, 0.5),
@@ -147,7 +147,7 @@ struct PartedPairs {
 
 } // namespace
 
-TEST_CASE("shapes that a direction parts have no contact points") {
+TEST_CASE("two shapes that a cached direction separates have no contact points") {
     PartedPairs pairs;
     for (int i = 0; i < 60000; ++i) pairs.look(decimal<Length>("0.02"), decimal<Length>("0.02"));
     MESSAGE(pairs.parted, " pairs parted, ", pairs.touched, " not");
@@ -156,14 +156,14 @@ TEST_CASE("shapes that a direction parts have no contact points") {
     CHECK(pairs.wrong == 0);
 }
 
-TEST_CASE("a direction that is asked for too little would be noticed") {
+TEST_CASE("planted fault: the check reports a separation test with a margin that is 4 mm too small") {
     PartedPairs pairs;
     for (int i = 0; i < 60000; ++i)
         pairs.look(decimal<Length>("0.016"), decimal<Length>("0.02")); // planted: 4 mm short
     CHECK(pairs.wrong > 0);
 }
 
-TEST_CASE("margins up to the longest length part nothing that they reach") {
+TEST_CASE("are_parted() returns false for shapes within the margin for margins up to the longest Length") {
     const Rotation axes = Rotation::identity();
     const shapes::Solid ball{sphere(0.1_r)};
     const auto parts = [&](Real way, Length margin) {
@@ -176,7 +176,7 @@ TEST_CASE("margins up to the longest length part nothing that they reach") {
     CHECK(parts(64_r, Length(63)));
 }
 
-TEST_CASE("what no direction is known to part is not parted") {
+TEST_CASE("are_parted() returns false without a direction that is known to separate the shapes") {
     AssetLibrary library;
     oracle::RandomReal random(14);
     const shapes::Solid stone = ball_hull(library, random, 0.1), ball{sphere(0.1_r)},
@@ -202,7 +202,7 @@ TEST_CASE("what no direction is known to part is not parted") {
     CHECK_FALSE(parts(large, ball, 9_r, up));
 }
 
-TEST_CASE("a hint does not part a ball from the box of 1240 m that it lies in") {
+TEST_CASE("a hint does not separate a ball from the box of 1240 m that contains it") {
     // The box reaches 1074 m along its diagonal. With 54 fraction bits 1024 m wrap around 64 bits, so the box would
     // seem to reach 50 m.
     const shapes::Solid ball{sphere(1_r)}, cliff{scaled(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
@@ -219,7 +219,7 @@ TEST_CASE("a hint does not part a ball from the box of 1240 m that it lies in") 
     for (const double metres : {1077.0, 1500.0}) CHECK(points_at(metres) == 0);
 }
 
-TEST_CASE("a hint that did settle the question by itself would be noticed") {
+TEST_CASE("planted fault: a hint whose sign is ignored separates shapes that touch") {
     AssetLibrary library;
     oracle::RandomReal random(12);
     const shapes::Solid stone = ball_hull(library, random, 0.5);

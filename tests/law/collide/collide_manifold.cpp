@@ -68,7 +68,7 @@ std::set<std::uint32_t> features(const Manifold& m) {
 
 } // namespace
 
-TEST_CASE("a box on a box touches with its four corners, each at its own separation") {
+TEST_CASE("a box on a box has four contact points at its corners and each has its own separation") {
     const Geometry ground = box(2_r, 0.5_r, 2_r), crate = box(0.5_r, 0.25_r, 0.75_r);
     for (double gap : {-0.01, -0.0001, 0.0, 0.0001, 0.0199}) {
         const RelativePose pose = oracle::pose_of(Quat::identity(), {0.1, 0.75 + gap, -0.2});
@@ -88,7 +88,7 @@ TEST_CASE("a box on a box touches with its four corners, each at its own separat
     }
 }
 
-TEST_CASE("equal boxes exactly face to face keep four distinct corners") {
+TEST_CASE("equal boxes exactly face to face have four distinct contact points") {
     const Geometry cube = box(0.5_r, 0.5_r, 0.5_r);
     for (int axis = 0; axis < 3; ++axis)
         for (double side : {-1.0, 1.0}) {
@@ -101,7 +101,7 @@ TEST_CASE("equal boxes exactly face to face keep four distinct corners") {
         }
 }
 
-TEST_CASE("equal boxes that stand nearly flush on each other are held at their corners") {
+TEST_CASE("equal boxes that lie nearly flush on each other have contact points at their corners") {
     RandomReal random(12);
     const Geometry cube = box(0.5_r, 0.5_r, 0.5_r);
     int planted = 0;
@@ -120,7 +120,7 @@ TEST_CASE("equal boxes that stand nearly flush on each other are held at their c
     CHECK(planted == 2000);
 }
 
-TEST_CASE("a tilted box meets the ground along its edge first") {
+TEST_CASE("a tilted box has its deepest contact points along its lower edge") {
     const Geometry ground = box(2_r, 0.5_r, 2_r), cube = box(0.5_r, 0.5_r, 0.5_r);
     const double tilt = 0.02, height = 0.5 * (std::cos(tilt) + std::sin(tilt));
     const Manifold m = manifold_of(
@@ -146,7 +146,7 @@ TEST_CASE("separations resolve a tenth of a micrometre") {
     }
 }
 
-TEST_CASE("two shapes of a kind see the same contact from either side") {
+TEST_CASE("two shapes of one kind have the same contact from both sides") {
     RandomReal random(3);
     int touching = 0, other_face = 0, line_or_point = 0;
     for (int i = 0; i < 6000; ++i) {
@@ -204,7 +204,8 @@ TEST_CASE("coincident and degenerate shapes have a defined contact") {
             }
 }
 
-TEST_CASE("the largest shapes and poses stay within range and the furthest never touch") {
+TEST_CASE(
+    "the contacts of the largest shapes and poses stay within range and the furthest shapes never touch") {
     RandomReal random(11);
     const double extremes[] = {-127.9999999, -100, -1e-7, 0, 1e-7, 100, 127.9999999};
     int touching = 0;
@@ -251,7 +252,7 @@ TEST_CASE("a relative pose is the same far from the world's origin") {
     }
 }
 
-TEST_CASE("a plane works far from its own origin, and its view leads back to the world") {
+TEST_CASE("a plane has exact contacts far from its own origin and they convert back to world coordinates") {
     const Quat slope = oracle::quat_of({0, 0, 1}, 0.3);
     const Transform ramp{{0_r, 2_r, 0_r}, slope};
     const Vec3 normal = rotate(slope, Vec3{0_r, 1_r, 0_r}), along = rotate(slope, Vec3{1_r, 0_r, 0_r});

@@ -94,7 +94,7 @@ std::vector<Rest> all_rests(AssetLibrary& library) {
 
 } // namespace
 
-TEST_CASE("shapes at rest are held by the points they need") {
+TEST_CASE("shapes at rest have as many contact points as they need and the points surround the centre") {
     AssetLibrary library;
     oracle::RandomReal random(31);
     const shapes::Solid floors[] = {{box(4_r, 0.5_r, 4_r)}, {plane()}};
@@ -125,7 +125,7 @@ TEST_CASE("shapes at rest are held by the points they need") {
             }
 }
 
-TEST_CASE("feature keys of shapes at rest survive small motions") {
+TEST_CASE("the feature keys of shapes at rest stay the same under small motions") {
     AssetLibrary library;
     oracle::RandomReal random(37);
     const shapes::Solid floors[] = {{box(4_r, 0.5_r, 4_r)}, {box(0.45_r, 0.5_r, 0.45_r)}};
@@ -156,7 +156,7 @@ TEST_CASE("feature keys of shapes at rest survive small motions") {
     CHECK(changed * 50 < scenes);
 }
 
-TEST_CASE("cylinders and cones roll on circles, not on polygons") {
+TEST_CASE("a cylinder rolls on a circle and not on a polygon") {
     const shapes::Solid floors[] = {{box(4_r, 0.5_r, 4_r)}, {plane()}};
     const double tops[] = {0.5, 0};
     for (int f = 0; f < 2; ++f)

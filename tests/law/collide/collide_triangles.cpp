@@ -88,7 +88,7 @@ Soup block(D3 low, D3 high) {
 
 } // namespace
 
-TEST_CASE("a ball on a spike of twelve triangles touches it in one point, from any side of its cone") {
+TEST_CASE("a ball touches a spike of twelve triangles in one point from any side of its cone") {
     const Owned tip = mesh(spike(12, 1, 2));
     CHECK(is_only(contacts(tip, sphere(0.5_r), {0, 0.499, 0}), {0, 1, 0}, -0.001, 1));
     oracle::RandomReal random(5);
@@ -101,7 +101,7 @@ TEST_CASE("a ball on a spike of twelve triangles touches it in one point, from a
     }
 }
 
-TEST_CASE("a box stands on a spike with its own face's normal") {
+TEST_CASE("the contact of a box on a spike has the normal of the box's face") {
     const Owned tip = mesh(spike(8, 1, 2));
     for (const double gap : {0.004, -0.0003, -0.004}) {
         const collide::Manifolds m = contacts(tip, box(0.5_r, 0.5_r, 0.5_r), {0.1, 0.5 + gap, 0.05});
@@ -115,7 +115,7 @@ TEST_CASE("a box stands on a spike with its own face's normal") {
     }
 }
 
-TEST_CASE("a box lies on a ridge in a line") {
+TEST_CASE("a box on a ridge has two contact points and a box on a side of the ridge has four") {
     const Owned roof = mesh(ridge(0.5));
     for (const double gap : {0.004, -0.0003, -0.004}) {
         const collide::Manifolds m = contacts(roof, box(0.5_r, 0.5_r, 0.5_r), {0.1, 0.5 + gap, 0.05});
@@ -129,7 +129,7 @@ TEST_CASE("a box lies on a ridge in a line") {
     CHECK(is_only(flat, {0.5, 1, 0}, 0, 4));
 }
 
-TEST_CASE("a capsule in a groove lies on both sides of it") {
+TEST_CASE("a capsule in a groove has contacts with both sides of the groove") {
     const Owned groove = mesh(ridge(-1));
     const double height = 0.3 * std::sqrt(2.0) - 0.001 * std::sqrt(2.0);
     const collide::Manifolds m =
@@ -144,7 +144,7 @@ TEST_CASE("a capsule in a groove lies on both sides of it") {
     CHECK((is_normal(m.items[1], {1, 1, 0}) || is_normal(m.items[1], {-1, 1, 0})));
 }
 
-TEST_CASE("a box that overhangs a step rests on its top alone") {
+TEST_CASE("a box that overhangs a step has contacts with the top of the step only") {
     const Owned step = mesh(block({-4, -2, -4}, {0, 0, 4}));
     for (const double gap : {0.004, -0.0003, -0.003}) {
         for (const double x : {0.45, 0.2, -0.2, -0.497}) {
@@ -155,7 +155,7 @@ TEST_CASE("a box that overhangs a step rests on its top alone") {
     }
 }
 
-TEST_CASE("a tilted box leans on a step's edge with its face's normal") {
+TEST_CASE("the contact of a tilted box on the edge of a step has the normal of the box's face") {
     const Owned step = mesh(block({-4, -2, -4}, {0, 0, 4}));
     for (const double tilt : {0.1, 0.4, 0.7, 1.0})
         for (const double gap : {0.005, -0.001, -0.004}) {
@@ -167,7 +167,7 @@ TEST_CASE("a tilted box leans on a step's edge with its face's normal") {
         }
 }
 
-TEST_CASE("a centre behind the surface is pushed out to the front") {
+TEST_CASE("a contact pushes a shape whose centre is behind the surface out to the front") {
     const Owned ground = mesh(grid(-20, -20, 1, 40, 40, 0.2, 9, [](double, double) { return 0.0; }));
     CHECK(is_only(contacts(ground, sphere(0.5_r), {0.1, -0.3, 0.2}), {0, 1, 0}, -0.8, 1));
     const collide::Manifolds low = contacts(ground, box(0.5_r, 0.5_r, 0.5_r), {0.1, -0.3, 0.2});
@@ -184,7 +184,7 @@ TEST_CASE("a centre behind the surface is pushed out to the front") {
     }
 }
 
-TEST_CASE("a thin wall pushes to the side where the centre is") {
+TEST_CASE("a thin wall pushes a shape to the side where its centre is") {
     const Owned wall = mesh(block({-0.05, -5, -5}, {0.05, 5, 5}));
     CHECK(is_only(contacts(wall, sphere(0.5_r), {0.5, 0.2, 0.1}), {1, 0, 0}, -0.05, 1));
     CHECK(is_only(contacts(wall, sphere(0.5_r), {-0.5, 0.2, 0.1}), {-1, 0, 0}, -0.05, 1));
@@ -193,7 +193,7 @@ TEST_CASE("a thin wall pushes to the side where the centre is") {
     CHECK(is_only(contacts(wall, box(0.5_r, 0.5_r, 0.5_r), {-0.03, 0.2, 0.1}), {-1, 0, 0}, -0.52, 4));
 }
 
-TEST_CASE("two-sided triangles push to both sides, one-sided ones to the front") {
+TEST_CASE("two-sided triangles push shapes out on both of their sides") {
     const Soup sheet = grid(-20, -20, 1, 40, 40, 0.2, 9, [](double, double) { return 0.0; });
     const Owned both = mesh(sheet, true);
     CHECK(is_only(contacts(both, sphere(0.5_r), {0.1, 0.45, 0.2}), {0, 1, 0}, -0.05, 1));
@@ -205,7 +205,7 @@ TEST_CASE("two-sided triangles push to both sides, one-sided ones to the front")
     CHECK(is_only(m, {0, -1, 0}, 0.001, 2));
 }
 
-TEST_CASE("triangles of a kilometre are as good as small ones") {
+TEST_CASE("contacts with triangles of a kilometre are as exact as contacts with small ones") {
     Soup big;
     big.add({-1000, 0, -1000}, {-1000, 0, 1000}, {1000, 0, 1000}, {1000, 0, -1000});
     const Owned ground = mesh(big);
@@ -233,7 +233,8 @@ TEST_CASE("triangles of a kilometre are as good as small ones") {
     }
 }
 
-TEST_CASE("a border is felt from the side and not from above") {
+TEST_CASE("the border of a mesh has contacts with shapes at its side and not with shapes that only come near "
+          "its top") {
     const Owned sheet = mesh(grid(-4, -4, 1, 4, 8, 0, 0, [](double, double) { return 0.0; }));
     // The middle of the box's side touches the border: the contact pushes the box away from the sheet.
     const collide::Manifolds side = contacts(sheet, box(0.5_r, 0.5_r, 0.5_r), {0.498, 0, 0.2});
@@ -246,7 +247,7 @@ TEST_CASE("a border is felt from the side and not from above") {
     CHECK(contacts(sheet, box(0.5_r, 0.5_r, 0.5_r), {0.51, 0.499, 0.2}).count == 0);
 }
 
-TEST_CASE("features are unique and stay while the contact moves a little") {
+TEST_CASE("features are unique and stay the same while the contact moves a little") {
     const Owned ground = mesh(grid(-20, -20, 0.37, 100, 100, 0.2, 9, [](double x, double z) {
         return 0.1 * std::sin(x) + 0.1 * std::cos(1.3 * z);
     }));
@@ -278,7 +279,7 @@ TEST_CASE("features are unique and stay while the contact moves a little") {
     CHECK(kept > moved * 98 / 100);
 }
 
-TEST_CASE("a mesh of half the size at scale 2 has the same contacts, bit for bit") {
+TEST_CASE("a mesh of half the size at scale 2 has bit for bit the same contacts") {
     // Only a mesh at scale 1 drops triangles by their planes alone.
     Soup soup = grid(-8, -8, 0.5, 32, 32, 0.2, 21,
                      [](double x, double z) { return 0.4 * std::sin(2 * x) + 0.3 * std::cos(2.3 * z); });

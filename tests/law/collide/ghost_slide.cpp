@@ -104,7 +104,8 @@ double flat(double, double) { return 0; }
 
 } // namespace
 
-TEST_CASE("bodies slide over flat meshes as over ice" * doctest::skip(test::is_too_long_here())) {
+TEST_CASE("bodies that slide over flat meshes without friction keep their speed and stay on the ground" *
+          doctest::skip(test::is_too_long_here())) {
     {
         AssetLibrary library;
         const AssetId regular = add_mesh(library, grid(-60, -60, 2, 60, 60, 0, 0, flat));
@@ -119,7 +120,7 @@ TEST_CASE("bodies slide over flat meshes as over ice" * doctest::skip(test::is_t
     }
 }
 
-TEST_CASE("bodies slide over the seam between two meshes as over ice" *
+TEST_CASE("bodies that slide over the seam between two meshes keep their speed and stay on the ground" *
           doctest::skip(test::is_too_long_here())) {
     AssetLibrary library;
     const AssetId left = add_mesh(library, grid(-60, -60, 3, 20, 40, 0.2, 3, flat));
@@ -128,7 +129,9 @@ TEST_CASE("bodies slide over the seam between two meshes as over ice" *
     CHECK(stumbles == "");
 }
 
-TEST_CASE("bodies slide over flat height fields as over ice" * doctest::skip(test::is_too_long_here())) {
+TEST_CASE(
+    "bodies that slide over flat height fields without friction keep their speed and stay on the ground" *
+    doctest::skip(test::is_too_long_here())) {
     AssetLibrary library;
     const std::vector<Length> heights(121 * 121);
     const Result<AssetId> field = library.add(bake_height_field(
@@ -138,7 +141,8 @@ TEST_CASE("bodies slide over flat height fields as over ice" * doctest::skip(tes
     CHECK(stumbles == "");
 }
 
-TEST_CASE("the slide notices a step of two millimetres" * doctest::skip(test::is_too_long_here())) {
+TEST_CASE("planted fault: the slide reports a step of two millimetres" *
+          doctest::skip(test::is_too_long_here())) {
     AssetLibrary library;
     const AssetId bumpy = add_mesh(library, grid(-60, -60, 1.5, 80, 80, 0.2, 7, [](double x, double) {
                                        return std::abs(x - 15) < 0.8 ? 0.002 : 0.0;

@@ -37,7 +37,7 @@ Crossing cross_joint(double radius, double speed, double start, bool rolls) {
 
 } // namespace
 
-TEST_CASE("a ball crosses the joint of two flush boxes") {
+TEST_CASE("a ball crosses the joint of two flush boxes without a hop and keeps its speed") {
     // A plane gives no hop at all. The bounds allow a graze of 2 mm and its effect on a ball of 0.1 m at 2 m/s.
     for (const bool rolls : {false, true})
         for (const double radius : {0.1, 0.3, 1.0})
@@ -52,7 +52,7 @@ TEST_CASE("a ball crosses the joint of two flush boxes") {
                 }
 }
 
-TEST_CASE("a ball that misses is not turned aside, and touches nothing") {
+TEST_CASE("a ball that misses an obstacle keeps its direction and has no contact") {
     const Geometry obstacles[] = {box(0.5_r, 0.5_r, 0.5_r), sphere(0.5_r), cylinder(0.5_r, 0.5_r)};
     for (const Geometry& obstacle : obstacles)
         for (const double clearance : {0.01, 0.05})
@@ -78,7 +78,7 @@ TEST_CASE("a ball that misses is not turned aside, and touches nothing") {
                 }
 }
 
-TEST_CASE("a ball that does not miss is stopped") {
+TEST_CASE("an obstacle stops a ball that hits it") {
     // The negative control of the cases above: half of the ball is in the way.
     for (const double speed : {5.0, 20.0, 60.0}) {
         World w = made(World::create(weightless()));

@@ -39,8 +39,8 @@ bool passes(const Fall& fall, double rounding, double part) {
 
 } // namespace
 
-TEST_CASE("a rounded shape is stopped at the surface, or not at all when it enters by less than half of its "
-          "rounding") {
+TEST_CASE(
+    "the sweep stops a rounded shape at the surface unless it enters by less than half of its rounding") {
     RandomPoint random(7);
     int passed = 0, stopped = 0, told_apart = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -70,9 +70,8 @@ TEST_CASE("a rounded shape is stopped at the surface, or not at all when it ente
     CHECK(told_apart > 100); // negative control: four fifths of the rounding
 }
 
-TEST_CASE("a body that joints hold enters planes and boxes until its core's centre is as deep as its inner "
-          "radius, boxes "
-          "up to their middle; where it would go deeper, and of other shapes, it is stopped at the centre") {
+TEST_CASE("the centre of a jointed body may enter planes by its inner radius and boxes to the middle but no "
+          "other shape") {
     RandomPoint random(11);
     int passed = 0, deep = 0, beyond = 0;
     for (int i = 0; i < 3000; ++i) {
@@ -104,7 +103,7 @@ TEST_CASE("a body that joints hold enters planes and boxes until its core's cent
     CHECK(beyond > 30);
 }
 
-TEST_CASE("a shape without rounding is always stopped at the surface") {
+TEST_CASE("the sweep always stops a shape without rounding at the surface") {
     RandomPoint random(8);
     for (int i = 0; i < 1000; ++i) {
         const double half = random(0.02, 1);
@@ -138,8 +137,7 @@ Crossing crossing(RandomPoint& random) {
 
 } // namespace
 
-TEST_CASE("what is not stopped by a box never comes near it: times of impact, which follow its nearest "
-          "points, agree") {
+TEST_CASE("the sweep stops a box at an obstacle box exactly at the time of impact of their nearest points") {
     RandomPoint random(9);
     collide::NarrowScratch scratch;
     int stopped = 0, passed = 0;
@@ -179,9 +177,8 @@ struct Dipping {
 
 } // namespace
 
-TEST_CASE("a rounded shape at a box is stopped where times of impact say so, of the whole of it and of what "
-          "is left as it sinks in: "
-          "faces that tell it without nearest points change nothing") {
+TEST_CASE("the sweep against a box's faces stops a rounded shape at the impact times of the whole and its "
+          "thinner part") {
     RandomPoint random(10);
     collide::NarrowScratch scratch;
     int stopped = 0, passed = 0, dipped = 0, held_at_core = 0;

@@ -102,29 +102,28 @@ double longest_step(double speed) {
 
 } // namespace
 
-TEST_CASE("every axis that a kind leaves free can be limited") {
+TEST_CASE("limits work on every axis that a kind of joint leaves free") {
     for (const FreeAxis& which : free_axes_of_kinds()) {
         INFO(std::string(which.name), ", axis ", which.axis);
         CHECK(limit_fault(which, -0.3, 0.5) == "");
     }
 }
 
-TEST_CASE("every axis that a kind leaves free can have a motor") {
+TEST_CASE("motors work on every axis that a kind of joint leaves free") {
     for (const FreeAxis& which : free_axes_of_kinds()) {
         INFO(std::string(which.name), ", axis ", which.axis);
         CHECK(motor_fault(which, 2) == "");
     }
 }
 
-TEST_CASE("every axis that a kind leaves free can have friction") {
+TEST_CASE("friction works on every axis that a kind of joint leaves free") {
     for (const FreeAxis& which : free_axes_of_kinds()) {
         INFO(std::string(which.name), ", axis ", which.axis);
         CHECK(friction_fault(which, 2) == "");
     }
 }
 
-TEST_CASE("every axis that a kind leaves free, and every lock that is soft, swings at its frequency and "
-          "loses what its "
+TEST_CASE("springs on free axes and soft locks swing at their frequency and lose the energy that their "
           "damping takes") {
     std::vector<FreeAxis> all = free_axes_of_kinds();
     for (std::uint32_t i = 0; i < joint_axis_count; ++i)
@@ -136,11 +135,12 @@ TEST_CASE("every axis that a kind leaves free, and every lock that is soft, swin
     }
 }
 
-TEST_CASE("a hinge knows its angle from one limit to the other, beyond a half turn too") {
+TEST_CASE("a hinge reports its angle without jumps from one limit to the other even beyond a half turn") {
     CHECK(longest_step(2) < 0.05); // 2 / 60 a tick
 }
 
-TEST_CASE("planted fault: limits, motors, friction and springs a little off are found out") {
+TEST_CASE(
+    "planted fault: the checks report limits and motors and friction and springs that are slightly wrong") {
     for (const FreeAxis& which : free_axes_of_kinds()) {
         INFO(std::string(which.name), ", axis ", which.axis);
         CHECK(limit_fault(which, -0.3, 0.51) != "");
@@ -151,7 +151,7 @@ TEST_CASE("planted fault: limits, motors, friction and springs a little off are 
     }
 }
 
-TEST_CASE("a motor joint drives a body to a pose relative to another, and holds it there") {
+TEST_CASE("a motor joint drives a body to a pose relative to another body and holds it there") {
     const D3 way{0.4, -0.3, 0.2}, turn{0.5, 0.4, -0.6};
     JointDef def = motor_joint(Real(3), Real(100000), Real(50000));
     for (std::uint32_t i = 0; i < joint_axis_count; ++i)
@@ -170,7 +170,7 @@ TEST_CASE("a motor joint drives a body to a pose relative to another, and holds 
     CHECK(length(offset_of(k.world, k.joint).along) < 0.01);
 }
 
-TEST_CASE("a motor joint gives no more than its force and its torque") {
+TEST_CASE("a motor joint applies at most its force and its torque") {
     JointDef def = motor_joint(Real(5), Real(500), Real(50));
     def.axis[along_y].target = Real(3), def.axis[about_z].target = Real(2);
     World w = bare_world();
@@ -181,8 +181,7 @@ TEST_CASE("a motor joint gives no more than its force and its torque") {
     CHECK(spin(w, b)[2] == test::about(0.5 * 50 / crate_inertia, 0.02));
 }
 
-TEST_CASE(
-    "a mouse brings what it holds to where it points, with its force at most, and leaves it free to turn") {
+TEST_CASE("a mouse joint pulls a body to its target with at most its force and leaves its rotation free") {
     World w = bare_world();
     const BodyId b = add_crate(w, at(0, 0, 0));
     const JointId joint = made(w.create_joint(mouse_joint(Real(3), Real(2000)), {}, b, at(0, 0, 0)));
@@ -196,7 +195,7 @@ TEST_CASE(
     CHECK(length(spin(w, b) - D3{0.7, 0.7, 0}) < 1e-3);
 }
 
-TEST_CASE("a wheel turns about its own axle while it is steered and its suspension gives") {
+TEST_CASE("a wheel joint turns about its own axle while it is steered and its suspension yields") {
     JointDef def = steered_wheel();
     def.axis[about_x].motor_speed = Real(5), def.axis[about_x].motor_force = Real(2000);
     def.axis[about_y] = {.mode = AxisMode::limited,
@@ -222,7 +221,9 @@ TEST_CASE("a wheel turns about its own axle while it is steered and its suspensi
     }
 }
 
-TEST_CASE("planted fault: a hinge that turns ten times as fast") { CHECK(longest_step(20) > 0.05); }
+TEST_CASE("planted fault: the check reports the angle steps of a hinge that turns ten times as fast") {
+    CHECK(longest_step(20) > 0.05);
+}
 
 namespace {
 

@@ -141,22 +141,21 @@ std::string outcome(const Loaded& what, double strength) {
 
 } // namespace
 
-TEST_CASE("every kind tells the force and the torque with which it bears a load") {
+TEST_CASE("every kind of joint reports the force and the torque with which it bears a load") {
     for (const Loaded& what : loaded_joints()) {
         INFO(std::string(what.name));
         CHECK(reaction_fault(what) == "");
     }
 }
 
-TEST_CASE("planted fault: a reaction that is 3 % too small is found out") {
+TEST_CASE("planted fault: the check reports a reaction that is 3 % too small") {
     for (const Loaded& what : loaded_joints()) {
         INFO(std::string(what.name));
         CHECK(reaction_fault(what, 1.03) != "");
     }
 }
 
-TEST_CASE(
-    "every kind bears what is below its strength, and breaks under what is above it, once, with an event") {
+TEST_CASE("every kind of joint bears loads below its strength and breaks once with one event above it") {
     for (const Loaded& what : loaded_joints()) {
         INFO(std::string(what.name));
         CHECK(outcome(what, 1.25) == "borne"); // a soft joint is loaded by 1.135 times its load at first
@@ -200,7 +199,7 @@ Hung hang_heavy(JointDef def, double mass, bool beside, std::uint32_t tick_rate)
 
 } // namespace
 
-TEST_CASE("joints tell the loads of the heaviest bodies, and break under them" *
+TEST_CASE("joints report the loads of the heaviest bodies and break under loads above their strength" *
           doctest::skip(lockstone::test::is_small_sample())) {
     for (const std::uint32_t tick_rate : {60u, 1000u})
         for (const double mass : {2e6, 2e7, 5e7, 1e8, 2e8}) {

@@ -63,7 +63,8 @@ struct Net {
 } // namespace
 
 // JointSolver::close leaves 6 mm to the next substeps. Without it these hits leave 9 to 11 mm after a tick.
-TEST_CASE("points that a hit opens are closed within the tick, and what they hold goes on as it did") {
+TEST_CASE("the solver closes joints within the tick in which a hit opens them and keeps the motion of their "
+          "bodies' centre") {
     Random random = Random::seeded(5);
     for (int i = 0; i < 20; ++i) {
         World world = space();
@@ -80,7 +81,7 @@ TEST_CASE("points that a hit opens are closed within the tick, and what they hol
 
 // The joints of the top row, which hold 60 balls each, stay open by 12 mm. If they were closed in every tick, the net
 // would never come to rest.
-TEST_CASE("points that a load keeps open are left to it, and come to rest") {
+TEST_CASE("joints that a load keeps open stay open and their bodies come to rest") {
     constexpr int width = 4, height = 60;
     World world = made(World::create({.sleeping = 0}));
     Net net(world, 0, width, height, true);
@@ -91,7 +92,7 @@ TEST_CASE("points that a load keeps open are left to it, and come to rest") {
     CHECK(speed < 0.01);
 }
 
-TEST_CASE("points that are closed move nothing of another figure, to the bit") {
+TEST_CASE("the closing of open joints changes no bit of another group of jointed bodies") {
     std::vector<Transform> poses[2];
     for (const bool hit : {false, true}) {
         World world = space();

@@ -44,7 +44,7 @@ double degrees_left(const JointDef& def, Quat turn) {
 
 } // namespace
 
-TEST_CASE("every joint takes as many degrees of freedom as it says, and leaves the others") {
+TEST_CASE("every kind of joint removes its declared number of degrees of freedom and no others") {
     for (const JointVariant& v : joint_variants())
         for (const Quat turn : {Quat::identity(), turned(axis_y, 35), turned(axis_z, 70)}) {
             INFO(std::string(v.name));
@@ -52,7 +52,7 @@ TEST_CASE("every joint takes as many degrees of freedom as it says, and leaves t
         }
 }
 
-TEST_CASE("any table of six axes takes as many degrees of freedom as it locks") {
+TEST_CASE("a six-dof joint removes one degree of freedom for each axis that it locks") {
     for (std::uint32_t mask = 0; mask < 64;
          mask += test::is_too_long_here() ? 9u : 1u) { // every ninth mask has each axis free and locked
         JointDef def = six_dof_joint();
@@ -63,7 +63,7 @@ TEST_CASE("any table of six axes takes as many degrees of freedom as it locks") 
     }
 }
 
-TEST_CASE("a rope takes its degree when it is taut, and only of what would stretch it") {
+TEST_CASE("a taut rope removes its degree of freedom only against motion that would stretch it") {
     JointDef taut = rope_joint(Real(1));
     for (const double way : {1.0, -1.0}) {
         Jointed j = join_two(JointKind::distance, taut);
@@ -74,7 +74,7 @@ TEST_CASE("a rope takes its degree when it is taut, and only of what would stret
     }
 }
 
-TEST_CASE("planted fault: one axis more or less is counted") {
+TEST_CASE("planted fault: the count of degrees of freedom shows one axis more or less") {
     JointDef universal = ball_joint(), loose = hinge_joint();
     universal.axis[about_x].mode = AxisMode::locked;
     loose.axis[along_z].mode = AxisMode::free;

@@ -54,8 +54,7 @@ Swing swing_of(JointAxisIndex axis, double frequency) {
 
 } // namespace
 
-TEST_CASE(
-    "a spring swings at its frequency, which is 1 / (2 pi) sqrt(k / m) of the stiffness it shows at rest") {
+TEST_CASE("a spring swings at its frequency which is 1 / (2 pi) sqrt(k / m) of its stiffness at rest") {
     for (JointAxisIndex axis : {along_x, along_y, about_x, about_z})
         for (double frequency : {0.5, 1.0, 3.0}) {
             INFO("axis ", axis, ", ", frequency, " Hz");
@@ -66,13 +65,13 @@ TEST_CASE(
         }
 }
 
-TEST_CASE("planted fault: the measure of a swing tells 1 Hz from 1.1 Hz") {
+TEST_CASE("planted fault: the measurement of a swing distinguishes 1 Hz from 1.1 Hz") {
     CHECK(swing_of(along_x, 1.1).frequency != test::about(1.0, 0.02));
     CHECK(std::sqrt(swing_of(along_x, 1.1).stiffness / crate_mass) != test::about(2 * 3.14159265, 0.02));
 }
 
-TEST_CASE("a critically damped spring comes to its target without passing it; a bounded one stops where "
-          "loads exceed it") {
+TEST_CASE("a critically damped spring reaches its target without overshoot and a bounded spring applies at "
+          "most its force") {
     for (JointAxisIndex axis : {along_x, about_x, about_y}) {
         JointAxis spring = spring_axis(2, 1);
         spring.target = real(0.5);
@@ -90,7 +89,7 @@ TEST_CASE("a critically damped spring comes to its target without passing it; a 
 
 // ---- reactions ------------------------------------------------------------------------------------------------
 
-TEST_CASE("a pulley trades rope by its ratio, and its rope pulls with the same force on both sides") {
+TEST_CASE("a pulley moves its bodies by its ratio and loads both sides of its rope in that ratio") {
     for (const double ratio : {1.0, 2.0}) {
         INFO("ratio ", ratio);
         World w = heavy_world();
@@ -110,7 +109,7 @@ TEST_CASE("a pulley trades rope by its ratio, and its rope pulls with the same f
     }
 }
 
-TEST_CASE("a cantilever's weld bears m g l, a slider across gravity too, an axle nothing about itself") {
+TEST_CASE("a cantilever's weld and slider bear the torque m g l and a hinge bears no torque about its axis") {
     for (double lever : {0.5, 1.0, 3.0}) {
         for (const JointDef& def : {weld_joint(), slider_joint()}) {
             World w = heavy_world();
@@ -132,7 +131,7 @@ TEST_CASE("a cantilever's weld bears m g l, a slider across gravity too, an axle
     }
 }
 
-TEST_CASE("several joints break in one tick in the order of their ids, each with an event") {
+TEST_CASE("joints that break in one tick break in the order of their ids with one event each") {
     World w = heavy_world();
     std::vector<JointId> joints;
     for (int i = 0; i < 4; ++i) {
@@ -153,6 +152,6 @@ TEST_CASE("several joints break in one tick in the order of their ids, each with
     CHECK((again.generation == 2 && !w.is_alive(joints[0])));
 }
 
-TEST_CASE("a limit holds what a motor or a spring of any force presses against it") {
+TEST_CASE("a limit holds against a motor or a spring of any force") {
     CHECK(lockstone::test::limits_fault() == "");
 }

@@ -62,7 +62,7 @@ double stray(Rig& rig, std::uint32_t joint, const std::array<bool, 6>& taken, bo
 
 } // namespace
 
-TEST_CASE("each kind takes its axes and leaves the others") {
+TEST_CASE("each kind of joint locks its axes and leaves the others free") {
     for (const Kind& kind : kinds()) {
         CAPTURE(std::string(kind.name));
         std::uint32_t joint = 0;
@@ -75,7 +75,7 @@ TEST_CASE("each kind takes its axes and leaves the others") {
     }
 }
 
-TEST_CASE("planted fault: a joint that is not there strays on the axes it should take") {
+TEST_CASE("planted fault: bodies without the joint stray on the axes that it should lock") {
     for (const Kind& kind : kinds()) {
         if (kind.name == std::string("six_dof")) continue;
         CAPTURE(std::string(kind.name));
@@ -123,7 +123,7 @@ std::vector<JointDef> free_standing() {
 
 } // namespace
 
-TEST_CASE("joints keep momentum and spin, whatever the masses") {
+TEST_CASE("joints conserve momentum and angular momentum at any masses") {
     for (const JointDef& def : free_standing())
         for (double kg : {0.01, 2.0, 500.0}) {
             CAPTURE(std::string(name_of(def.kind)));
@@ -135,7 +135,7 @@ TEST_CASE("joints keep momentum and spin, whatever the masses") {
     CHECK(momentum_gain(ball_joint(), 2, true) > 2e-3); // planted fault: an external push
 }
 
-TEST_CASE("a pendulum at 10 rad/s keeps its energy within a thousandth a second") {
+TEST_CASE("a pendulum at 10 rad/s keeps its energy within a thousandth for a second") {
     Rig rig;
     rig.gravity = {};
     const std::uint32_t b = rig.add(1, {0.3, 0.3, 0.3}, {0.5, 0, 0});
@@ -163,7 +163,7 @@ TEST_CASE("a wheel on a hinge through its centre keeps its spin") {
     CHECK(rig.coordinate(j, about_x) == test::about(400, 1e-3)); // counts 64 turns
 }
 
-TEST_CASE("springs on axes come to rest at their targets") {
+TEST_CASE("springs on the six axes come to rest at their targets") {
     JointDef def = six_dof_joint();
     const double at[6] = {0.3, -0.2, 0.1, 0.4, -0.3, 0.2};
     for (std::size_t i = 0; i < 6; ++i)
@@ -180,7 +180,7 @@ TEST_CASE("springs on axes come to rest at their targets") {
     CHECK(std::abs(to_double(target.w) - to_double(rig.frame_b(j).rotation.w)) < 1e-3);
 }
 
-TEST_CASE("a distance stays, a rope does not stretch and may hang slack") {
+TEST_CASE("a distance joint keeps its length and a rope does not stretch but may hang slack") {
     for (const bool rope : {false, true}) {
         Rig rig;
         const std::uint32_t b = rig.add(1, brick, {rope ? 0.5 : 1.0, 0, 0});
@@ -200,7 +200,7 @@ TEST_CASE("a distance stays, a rope does not stretch and may hang slack") {
     }
 }
 
-TEST_CASE("gears and racks turn in step for a hundred turns") {
+TEST_CASE("gears and racks keep their ratio for a hundred turns") {
     Rig rig;
     rig.gravity = {};
     const std::uint32_t a = rig.add(1, brick, {0, 0, 0}), b = rig.add(2, brick, {1, 0, 0});
@@ -225,7 +225,7 @@ TEST_CASE("gears and racks turn in step for a hundred turns") {
 
 // ---- the edges of the ranges --------------------------------------------------------------------------------------
 
-TEST_CASE("joints of anything to anything stay within the ranges") {
+TEST_CASE("joints of bodies at the ends of all ranges keep speeds within range") {
     for (const JointDef& made : free_standing())
         for (const auto& [kg_a, kg_b, gyration, lever] : {std::array{1e-3, 1e9, 1e-3, 100.0},
                                                           {1e9, 1e-3, 1e4, 1e6},
@@ -255,7 +255,7 @@ TEST_CASE("joints of anything to anything stay within the ranges") {
         }
 }
 
-TEST_CASE("lines without length and axes turned round find their way back") {
+TEST_CASE("joints recover from lines of zero length and from axes that are reversed") {
     Rig rig;
     rig.gravity = {};
     const std::uint32_t a = rig.add(1, brick, {0, 0, 0}), b = rig.add(1, brick, {0, 0, 0});

@@ -42,13 +42,13 @@ int seeds() { return std::getenv("LOCKSTONE_LONG") != nullptr ? 200 : 6; }
 
 } // namespace
 
-TEST_CASE("every kind of joint keeps what it says and leaves the rest free, under loads from all sides") {
+TEST_CASE("every kind of joint keeps its locks and leaves its other axes free under loads from all sides") {
     for (JointKind kind : joint_kinds)
         for (int seed = 0; seed < seeds(); ++seed)
             CHECK(freedom_fault(kind, plain_joint(kind), kind, static_cast<std::uint64_t>(seed)) == "");
 }
 
-TEST_CASE("planted fault: a joint of another kind is found to keep too little or too much") {
+TEST_CASE("planted fault: the check reports that a joint of another kind locks too little or too much") {
     CHECK(freedom_fault(JointKind::ball, ball_joint(), JointKind::hinge, 1) != "");
     CHECK(freedom_fault(JointKind::hinge, hinge_joint(), JointKind::ball, 1) != "");
     CHECK(freedom_fault(JointKind::weld, weld_joint(), JointKind::slider, 1) != "");
@@ -59,7 +59,7 @@ TEST_CASE("planted fault: a joint of another kind is found to keep too little or
     CHECK(freedom_fault(JointKind::distance, slack, JointKind::distance, 1) != "");
 }
 
-TEST_CASE("any table of six axes: what is locked stays, what is free moves") {
+TEST_CASE("any table of six axes keeps its locked axes in place and lets its free axes move") {
     for (std::uint32_t mask = 0; mask < 64; mask += std::getenv("LOCKSTONE_LONG") != nullptr ? 1u : 3u) {
         JointDef def = six_dof_joint();
         for (std::uint32_t i = 0; i < 6; ++i)
@@ -89,7 +89,7 @@ TEST_CASE("any table of six axes: what is locked stays, what is free moves") {
     }
 }
 
-TEST_CASE("a ball's cone holds: no direction of B's x axis leaves it") {
+TEST_CASE("a ball joint keeps B's x axis within its cone in all directions") {
     for (double cone : {0.3, 1.2, 2.5}) {
         JointDef def = ball_joint();
         def.swing = real(cone);

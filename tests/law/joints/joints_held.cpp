@@ -92,7 +92,7 @@ struct Flail : Arm {
 
 // In Bullet 3.24, whose limits do not bounce either, the first arm passes its limit by 0.064 rad and comes back by
 // 0.08.
-TEST_CASE("a limit stops an arm that falls onto it, and does not throw it back") {
+TEST_CASE("a limit stops an arm that falls onto it and does not throw it back") {
     const Stop even = stop_of(Arm(0.5, 1, limited(1)));
     CHECK(even.beyond < 0.005);
     CHECK(even.back < 0.005);
@@ -102,7 +102,7 @@ TEST_CASE("a limit stops an arm that falls onto it, and does not throw it back")
 }
 
 // Without the point's share the arms pass the limit by 0.13 to 0.2 rad, and come back by 0.8 to 1.1.
-TEST_CASE("a limit stops a small weight on a long arm within eight substeps, and does not throw it back") {
+TEST_CASE("a limit stops a small weight on a long arm within eight substeps and does not throw it back") {
     for (const auto& weight : {std::pair{0.1, 1.0}, {0.02, 1.0}, {0.2, 3.0}}) {
         const double half = weight.first, arm = weight.second;
         const double speed = std::sqrt(2 * pull * std::sin(1.0) / arm); // of a point mass
@@ -113,8 +113,8 @@ TEST_CASE("a limit stops a small weight on a long arm within eight substeps, and
     }
 }
 
-TEST_CASE("a motor turns an arm at its speed from the first tick on, and a small weight on a long arm after "
-          "a third of a second") {
+TEST_CASE(
+    "a motor turns an arm at its speed from the first tick and a small weight on a long arm after 1/3 s") {
     Arm even(0.5, 1, driven(2));
     for (int tick = 0; tick < 120; ++tick) {
         even.world.tick();
@@ -131,7 +131,7 @@ TEST_CASE("a motor turns an arm at its speed from the first tick on, and a small
 
 // Flails whose ball is a few times as heavy as the arm are trees (0.1, 0.3; 0.1, 0.2; 0.5, 0.25). Without the point's
 // share in limits these gained 25, 218 and 1.7 times the energy of their fall.
-TEST_CASE("a flail that falls onto a limit gains no energy, whatever its arm and its ball") {
+TEST_CASE("a flail that falls onto a limit gains no energy with any arm and any ball") {
     constexpr std::pair<double, double> all[] = {{0.3, 0.2}, {0.1, 0.3},  {0.1, 0.2}, {0.5, 0.1},
                                                  {0.1, 0.1}, {0.1, 0.05}, {0.3, 0.1}, {0.5, 0.25},
                                                  {0.2, 0.1}, {0.05, 0.05}};

@@ -87,26 +87,28 @@ std::string spring_fault(JointKind kind, double frequency, double told_frequency
 
 } // namespace
 
-TEST_CASE("the length of a line and of a pulley's rope can be limited below and above") {
+TEST_CASE("a distance joint and a pulley limit the length of their line below and above") {
     for (JointKind kind : {JointKind::distance, JointKind::pulley}) CHECK(limit_fault(kind, -0.3, 0.5) == "");
 }
 
-TEST_CASE("a line and a pulley's rope can be wound by a motor") {
+TEST_CASE("a motor winds the line of a distance joint and the rope of a pulley") {
     for (JointKind kind : {JointKind::distance, JointKind::pulley}) CHECK(motor_fault(kind, 2) == "");
 }
 
-TEST_CASE("a line and a pulley's rope can have friction") {
+TEST_CASE("friction works on the line of a distance joint and on the rope of a pulley") {
     for (JointKind kind : {JointKind::distance, JointKind::pulley}) CHECK(friction_fault(kind, 2) == "");
 }
 
-TEST_CASE("a line and a pulley's rope can be springs, with their frequency and their damping") {
+TEST_CASE(
+    "springs on the lines of distance joints and pulleys swing with their frequency and their damping") {
     for (JointKind kind : {JointKind::distance, JointKind::pulley}) {
         CHECK(spring_fault(kind, 1.5, 1.5, 0, 0) == "");
         CHECK(spring_fault(kind, 1.5, 1.5, 0.2, 0.2) == "");
     }
 }
 
-TEST_CASE("planted fault: limits, motors, friction and springs of lines a little off are found out") {
+TEST_CASE(
+    "planted fault: the checks report slightly wrong limits and motors and friction and springs of lines") {
     for (JointKind kind : {JointKind::distance, JointKind::pulley}) {
         CHECK(limit_fault(kind, -0.3, 0.51) != "");
         CHECK(motor_fault(kind, 2.1) != "");
@@ -116,7 +118,7 @@ TEST_CASE("planted fault: limits, motors, friction and springs of lines a little
     }
 }
 
-TEST_CASE("a spring of limited travel swings between its limits, and a rope that is slack pulls nobody") {
+TEST_CASE("a spring with limits swings between them and a slack rope pulls no body") {
     Line spring(JointKind::distance, {.mode = AxisMode::limited,
                                       .spring = 1,
                                       .lower = real(1.8),
@@ -160,7 +162,7 @@ double shaft_after(const JointDef& joint, const JointAxis& shaft, double load, i
 
 } // namespace
 
-TEST_CASE("gears and racks pass on what their shafts have: limits, motors, springs and friction") {
+TEST_CASE("gears and racks transmit the limits and motors and springs and friction of their shafts") {
     for (const JointDef& joint : {gear_joint(Real(2)), rack_and_pinion_joint(Real(2))}) {
         INFO(std::string(name_of(joint.kind)));
         const double sign = joint.kind == JointKind::gear ? -1 : 1;

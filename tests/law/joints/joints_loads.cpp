@@ -187,21 +187,22 @@ Seeds seeds_to_run() {
 
 } // namespace
 
-TEST_CASE("random loads on every kind: no energy from nowhere, and all is in its place again") {
+TEST_CASE("under random loads every kind of joint adds no energy and closes its locks afterwards") {
     const Seeds seeds = seeds_to_run();
     for (const Loaded& what : plain_kinds())
         for (unsigned long long seed = seeds.first; seed <= seeds.last; seed += seeds.step)
             CHECK(load_fault(what, seed) == "");
 }
 
-TEST_CASE("random loads on ropes, springs, soft welds, cones, steered wheels and motors: the same") {
+TEST_CASE("under random loads ropes and springs and soft welds and cones and wheels and motors add no energy "
+          "and close") {
     const Seeds seeds = seeds_to_run();
     for (const Loaded& what : other_uses())
         for (unsigned long long seed = seeds.first; seed <= seeds.last; seed += seeds.step)
             CHECK(load_fault(what, seed) == "");
 }
 
-TEST_CASE("planted fault: a bound too low for what the loads put in is found to be exceeded") {
+TEST_CASE("planted fault: the check reports energy above a bound that is too low for the loads") {
     for (const Loaded& what : other_uses()) {
         INFO(std::string(what.name));
         CHECK(load_fault(what, 3, 0.01) != "");

@@ -137,7 +137,7 @@ TEST_CASE("the Jacobian of every row is the derivative of its error") {
     }
 }
 
-TEST_CASE("planted fault: a Jacobian with the sign of body A turned round is found out in every row") {
+TEST_CASE("planted fault: the check reports a Jacobian with the wrong sign of body A in every row") {
     Draw draw{std::mt19937_64(2)};
     for (int k = 0; k < kinds; ++k) {
         CAPTURE(k);
@@ -181,7 +181,8 @@ double inverse_error(Draw& draw, int count, double damage) {
 
 } // namespace
 
-TEST_CASE("the inverse of one, two and three rows is their inverse") {
+TEST_CASE(
+    "the computed inverse of one to three rows is exact and the check reports one that is wrong by 1e-4") {
     Draw draw{std::mt19937_64(3)};
     for (int count = 1; count <= 3; ++count) {
         CAPTURE(count);
@@ -190,7 +191,7 @@ TEST_CASE("the inverse of one, two and three rows is their inverse") {
     }
 }
 
-TEST_CASE("a part along which nothing moves has no inverse in that direction") {
+TEST_CASE("the inverse of a part is zero along directions in which no body can move") {
     Row rows[3] = {};
     for (int r = 0; r < 3; ++r) rows[r].ja[r] = rows[r].ra[r] = 1 << 28;
     rows[1].ra[1] = 0; // locked
@@ -206,7 +207,7 @@ TEST_CASE("a part along which nothing moves has no inverse in that direction") {
         for (std::int32_t m : invert(rows, count).m) CHECK(m == 0);
 }
 
-TEST_CASE("rows that say the same twice share the impulse instead of dividing by nothing") {
+TEST_CASE("equal rows share the impulse and cause no division by zero") {
     Row rows[3] = {};
     for (Row& row : rows) row.ja[0] = row.ra[0] = 1 << 28;
     const Inverse inverse = invert(rows, 3);
@@ -217,7 +218,7 @@ TEST_CASE("rows that say the same twice share the impulse instead of dividing by
     CHECK(sum == test::about(1));
 }
 
-TEST_CASE("rows keep their bits from a lever of 127 m on 1 mm to a body of 10 km") {
+TEST_CASE("rows keep their precision from a lever of 127 m on a gyration of 1 mm to a gyration of 10 km") {
     for (const auto& [gyration, lever] :
          {std::pair{1e-3, 127.0}, {1e-3, 1e-3}, {1.0, 1.0}, {1e4, 127.0}, {1e4, 0.0}}) {
         // clang 14: a lambda cannot capture a structured binding
@@ -242,7 +243,7 @@ TEST_CASE("rows keep their bits from a lever of 127 m on 1 mm to a body of 10 km
     }
 }
 
-TEST_CASE("the share of a body among masses apart by 1e12 keeps 23 bits") {
+TEST_CASE("the shares of two bodies whose masses differ by a factor of 1e12 keep 23 bits") {
     Rig rig;
     const std::uint32_t light = rig.add(1e-3, {1, 1, 1}, {0, 0, 0}),
                         heavy = rig.add(1e9, {1, 1, 1}, {0, 0, 0});

@@ -244,7 +244,7 @@ Swing swing(Rig rig, int ticks) {
 
 // ---- blocks ---------------------------------------------------------------------------------------------------
 
-TEST_CASE("joint tree: a block's factor solves it") {
+TEST_CASE("joint tree: the factor of a block solves the block") {
     Draw draw{std::mt19937_64{1}};
     for (int round = 0; round < rounds(300, 20000); ++round) {
         const int n = 1 + draw.below(6);
@@ -290,7 +290,8 @@ TEST_CASE("joint tree: a block's factor solves it") {
     }
 }
 
-TEST_CASE("joint tree: pivots too small are refused or raised, and rows of zeros left out") {
+TEST_CASE(
+    "joint tree: the factorisation rejects or raises pivots that are too small and skips rows of zeros") {
     SymmetricBlock block = block_of(scaled(1, 0), 3);
     block.m[block_index(1, 1)] = 1 << 20;
     block.m[block_index(2, 2)] = 0;
@@ -303,7 +304,7 @@ TEST_CASE("joint tree: pivots too small are refused or raised, and rows of zeros
 
 // ---- trees ----------------------------------------------------------------------------------------------------
 
-TEST_CASE("joint tree: three passes are the dense solution, whatever the masses") {
+TEST_CASE("joint tree: three passes reach the dense solution at any mass ratio") {
     struct Case {
         /// At a ratio of 10000 speeds are small, because impulses are bounded, and rounding is visible.
         double ratio, most;
@@ -327,7 +328,7 @@ TEST_CASE("joint tree: three passes are the dense solution, whatever the masses"
     }
 }
 
-TEST_CASE("joint tree: loops close as passes go on") {
+TEST_CASE("joint tree: loops close after many passes") {
     Draw draw{std::mt19937_64{11}};
     const int count = rounds(100, 500);
     double off = 0, planted = 0;
@@ -346,7 +347,7 @@ TEST_CASE("joint tree: loops close as passes go on") {
 
 // ---- motion ---------------------------------------------------------------------------------------------------
 
-TEST_CASE("joint tree: a chain holds ten thousand times its link and gains no energy") {
+TEST_CASE("joint tree: a chain holds ten thousand times the mass of its link and gains no energy") {
     const Swing s = swing(chain(20, 1, 10000), 240);
     CHECK(s.gap < 0.03);
     CHECK(s.energy_gain <
@@ -358,7 +359,7 @@ TEST_CASE("joint tree: a chain holds ten thousand times its link and gains no en
     CHECK(length(torn.x(10) - at) > 1);
 }
 
-TEST_CASE("joint tree: beyond its range a chain lets go without energy of its own") {
+TEST_CASE("joint tree: a chain beyond the range of masses yields and adds no energy") {
     for (const double link : {1.0, 0.001}) {
         const Swing s = swing(chain(10, link, 1e9), 240);
         CAPTURE(link);
@@ -384,7 +385,7 @@ Rig bridge(int planks) {
     return rig;
 }
 
-TEST_CASE("joint tree: a bridge that swings loses energy, and each joint bears what hangs below" *
+TEST_CASE("joint tree: a bridge that swings loses energy and its joints stay closed" *
           doctest::skip(lockstone::test::is_small_sample())) {
     Rig rig = bridge(30);
     double before = rig.energy();
@@ -398,7 +399,7 @@ TEST_CASE("joint tree: a bridge that swings loses energy, and each joint bears w
     CHECK(widest(rig) < 1e-3);
 }
 
-TEST_CASE("joint tree: short bridges, whose planks carry little, lose energy as well") {
+TEST_CASE("joint tree: short bridges whose planks carry little load lose energy too") {
     for (const int planks : {3, 5, 7}) {
         CAPTURE(planks);
         Rig rig = bridge(planks);
@@ -414,7 +415,7 @@ TEST_CASE("joint tree: short bridges, whose planks carry little, lose energy as 
     }
 }
 
-TEST_CASE("joint tree: each joint of a hanging chain bears what hangs below") {
+TEST_CASE("joint tree: each joint of a hanging chain bears the weight below it") {
     Rig rig;
     std::uint32_t last = Rig::world;
     constexpr int links = 12;
@@ -433,7 +434,7 @@ TEST_CASE("joint tree: each joint of a hanging chain bears what hangs below") {
     CHECK(widest(rig) < 2e-3);
 }
 
-TEST_CASE("joint tree: what is locked twice shares the load and stays") {
+TEST_CASE("joint tree: two hinges that lock the same door share its load and keep it in place") {
     Rig rig;
     const std::uint32_t door = rig.add(40, {0.05, 0.6, 0.3}, {0.5, 0, 0}),
                         handle = rig.add(1, {0.05, 0.05, 0.05}, {0.9, 0, 0});

@@ -32,7 +32,7 @@ int touching(const World& w, BodyId a, BodyId b) {
 
 } // namespace
 
-TEST_CASE("a joint that cannot be is refused with a sentence that names the field") {
+TEST_CASE("the world rejects an invalid joint with a sentence that names the field") {
     World w = bare_world();
     const BodyId a = add_crate(w, at(-1, 0, 0)), b = add_crate(w, at(1, 0, 0)),
                  gone = add_crate(w, at(5, 0, 0));
@@ -60,7 +60,7 @@ TEST_CASE("a joint that cannot be is refused with a sentence that names the fiel
           "create_joint was accepted"); // planted: a valid one
 }
 
-TEST_CASE("random making and destroying of joints and bodies: every list holds exactly its joints") {
+TEST_CASE("after random creation and destruction of joints and bodies every list holds exactly its joints") {
     World w = bare_world();
     Random random = Random::seeded(5);
     std::vector<BodyId> bodies;
@@ -100,7 +100,8 @@ TEST_CASE("random making and destroying of joints and bodies: every list holds e
     }
 }
 
-TEST_CASE("joined bodies touch each other only when their joint says so, and again when it is gone") {
+TEST_CASE(
+    "jointed bodies touch each other only if collide_connected is set or after their joint is destroyed") {
     for (std::uint32_t collide : {0u, 1u}) {
         World w = bare_world();
         const BodyId a = add_crate(w, at(0, 0, 0)), b = add_crate(w, at(0.8, 0, 0)); // 0.2 m of overlap
@@ -115,7 +116,7 @@ TEST_CASE("joined bodies touch each other only when their joint says so, and aga
     }
 }
 
-TEST_CASE("the frames of a joint can be moved: a weld to the world follows its place") {
+TEST_CASE("set_joint_frames() moves the frames of a joint and a weld to the world follows") {
     World w = heavy_world();
     const BodyId b = add_crate(w, at(0, 0, 0));
     const JointId joint = made(w.create_joint(weld_joint(Real(3)), {}, b, at(0, 0, 0)));
@@ -151,7 +152,7 @@ Chain chain_on_floor(int count, bool joined) {
 
 } // namespace
 
-TEST_CASE("joined bodies fall asleep in the same tick and wake together") {
+TEST_CASE("jointed bodies fall asleep in the same tick and wake together") {
     for (bool joined : {true, false}) {
         Chain c = chain_on_floor(5, joined);
         for (int t = 0; t < 20; ++t) c.world.tick();
@@ -172,7 +173,7 @@ TEST_CASE("joined bodies fall asleep in the same tick and wake together") {
     }
 }
 
-TEST_CASE("a hanging weight sleeps; changing, breaking and destroying its joint wakes it") {
+TEST_CASE("a hanging weight sleeps and any change of its joint or its holder wakes it") {
     for (int how = 0; how < 4; ++how) {
         WorldDef def = bare_def();
         def.sleeping = 1, def.gravity = vec(0, -9.81, 0);

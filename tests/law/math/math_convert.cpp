@@ -58,7 +58,8 @@ TEST_CASE_TEMPLATE("quantize is nearest, ties to even, clamped, for every kind o
     CHECK(naive > 1000); // planted fault: adding a half and truncating
 }
 
-TEST_CASE("infinities clamp and NaN is zero, whatever the compiler assumes about them") {
+TEST_CASE(
+    "quantize() clamps infinities and returns zero for NaN under any floating-point option of the compiler") {
     CHECK(quantize<Real>(from_bits(0x7ff0000000000000u)) == Real::max());
     CHECK(quantize<Real>(from_bits(0xfff0000000000000u)) == Real::min());
     CHECK(quantize<Real>(from_bits(0x7ff8000000000000u)) == Real{});
@@ -68,7 +69,7 @@ TEST_CASE("infinities clamp and NaN is zero, whatever the compiler assumes about
     static_assert(quantize<Real>(0.1) == 0.1_r);
 }
 
-TEST_CASE("rounding modes do not change a quantized value") {
+TEST_CASE("rounding modes of the host do not change a quantized value") {
     Random random = Random::seeded(51);
     const int before = std::fegetround();
     long bad = 0;
@@ -84,7 +85,8 @@ TEST_CASE("rounding modes do not change a quantized value") {
     CHECK(bad == 0);
 }
 
-TEST_CASE("values come back from floating point: 32-bit formats always, 64-bit ones below 2^53 steps") {
+TEST_CASE(
+    "the double of a value converts back to it for 32-bit formats and for 64-bit formats below 2^53 steps") {
     Random random = Random::seeded(52);
     long bad = 0;
     for (int i = 0; i < points(100000); ++i) {
@@ -100,7 +102,7 @@ TEST_CASE("values come back from floating point: 32-bit formats always, 64-bit o
     CHECK(to_double(Real::min()) == -2147483648.0);
 }
 
-TEST_CASE("vectors, quaternions and poses keep their order") {
+TEST_CASE("vectors and quaternions and poses keep the order of their components in conversions") {
     const Vec3 v{1_r, -2_r, 0.5_r};
     CHECK(to_double(v) == std::array<double, 3>{1, -2, 0.5});
     CHECK(to_float(v) == std::array<float, 3>{1, -2, 0.5f});

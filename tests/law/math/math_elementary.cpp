@@ -73,7 +73,7 @@ int mpfr_ln(mpfr_ptr r, mpfr_srcptr x, mpfr_rnd_t m) { return mpfr_log(r, x, m);
 
 } // namespace
 
-TEST_CASE("sine and cosine are within their bound for every Real, near and far") {
+TEST_CASE("sine and cosine are within their error bound for every Real near zero and far from it") {
     const std::vector<Real> xs = arguments(points(40000), 63);
     check_function("sin", sin, mpfr_sin, xs, error_bound::sin_cos);
     check_function("cos", cos, mpfr_cos, xs, error_bound::sin_cos);
@@ -82,7 +82,7 @@ TEST_CASE("sine and cosine are within their bound for every Real, near and far")
     CHECK(against_long_double(many, cos, std::cos, error_bound::sin_cos).failures == 0);
 }
 
-TEST_CASE("sin_cos gives the same functions as unit numbers") {
+TEST_CASE("sin_cos() returns sine and cosine as Unit numbers within their error bound") {
     Sweep sweep;
     for (Real x : arguments(points(300000), 40)) {
         const SinCos t = sin_cos(x);
@@ -97,8 +97,8 @@ TEST_CASE("sin_cos gives the same functions as unit numbers") {
     CHECK(sin_cos(half_pi).sin == unit_one);
 }
 
-TEST_CASE("symmetries hold to the bit: sine odd up to its rounding, cosine even, asin + acos a right angle "
-          "to a step") {
+TEST_CASE(
+    "symmetries hold within rounding: sine is odd and cosine is even and asin + acos is a right angle") {
     long bad = 0;
     for (Real x : arguments(points(200000), 62)) {
         bad += abs(sin(-x) + sin(x)) > Real::step() || abs(cos(-x) - cos(x)) > Real::step() ? 1 : 0;
@@ -109,7 +109,7 @@ TEST_CASE("symmetries hold to the bit: sine odd up to its rounding, cosine even,
     CHECK(bad == 0);
 }
 
-TEST_CASE("tangent is within its bound, which grows beside the poles") {
+TEST_CASE("tangent is within its error bound which grows near the poles") {
     Exact exact;
     Sweep sweep, faulty;
     std::vector<Real> xs = arguments(points(40000), 63);
@@ -130,7 +130,7 @@ TEST_CASE("tangent is within its bound, which grows beside the poles") {
     CHECK(faulty.failures > faulty.count / 2); // planted fault: two steps off
 }
 
-TEST_CASE("arc functions are within their bound" * doctest::skip(test::is_too_long_here())) {
+TEST_CASE("arc functions are within their error bound" * doctest::skip(test::is_too_long_here())) {
     check_function("atan", atan, mpfr_atan, arguments(points(20000), 63), error_bound::atan);
     std::vector<Real> xs;
     for (Real x : arguments(points(40000), 32)) {
@@ -144,7 +144,7 @@ TEST_CASE("arc functions are within their bound" * doctest::skip(test::is_too_lo
     CHECK(acos(1_r) == 0_r);
 }
 
-TEST_CASE("atan2 is within its bound in all quadrants, for every pair of edges") {
+TEST_CASE("atan2 is within its error bound in all quadrants and for pairs of edge values") {
     Sweep sweep, faulty;
     Exact y, x;
     const auto check = [&](std::int64_t ry, std::int64_t rx) {
@@ -173,7 +173,8 @@ TEST_CASE("atan2 is within its bound in all quadrants, for every pair of edges")
     CHECK(atan2(-1_r, 0_r) == -half_pi);
 }
 
-TEST_CASE("exponentials and logarithms are within their bound" * doctest::skip(test::is_too_long_here())) {
+TEST_CASE("exponentials and logarithms are within their error bound" *
+          doctest::skip(test::is_too_long_here())) {
     const std::vector<Real> exponents = arguments(points(40000), 37),
                             positive = arguments(points(40000), 63, true);
     check_function("exp", exp, mpfr_exp, exponents, error_bound::exp, error_bound::exp_relative_bits);
@@ -185,7 +186,7 @@ TEST_CASE("exponentials and logarithms are within their bound" * doctest::skip(t
     CHECK(against_long_double(many, log2, std::log2, error_bound::log).failures == 0);
 }
 
-TEST_CASE("exponentials and logarithms are exact where they can be, and clamp") {
+TEST_CASE("exponentials and logarithms are exact for powers of two and clamp at the ends of the range") {
     long bad = 0;
     for (int n = -32; n <= 30; ++n) {
         const Real power = Real::from_raw(std::int64_t{1} << (n + 32));
@@ -202,7 +203,7 @@ TEST_CASE("exponentials and logarithms are exact where they can be, and clamp") 
     CHECK(log2(-1_r) == Real::min());
 }
 
-TEST_CASE("a power is within its bound, which grows with the exponent") {
+TEST_CASE("a power is within its error bound which grows with the exponent") {
     Random random = Random::seeded(22);
     Exact x, y;
     Sweep sweep, faulty;
@@ -225,7 +226,7 @@ TEST_CASE("a power is within its bound, which grows with the exponent") {
     CHECK(faulty.failures > faulty.count / 2); // planted fault: two steps off
 }
 
-TEST_CASE("powers of zero and of negative numbers are defined") {
+TEST_CASE("powers of zero and of negative numbers have defined results") {
     CHECK(pow(3_r, 2_r) == 9_r);
     CHECK(pow(10_r, 5_r) == 100'000_r);
     CHECK(pow(0_r, 0_r) == 1_r);
@@ -267,7 +268,7 @@ TEST_CASE("every table entry is the nearest 62-bit number to its function") {
     CHECK(table_error(table::ln2 + 1, mpfr_ln, 2, 1) > 0.5); // planted fault
 }
 
-TEST_CASE("constants in two words have 124 correct bits") {
+TEST_CASE("the constants in two words have 124 correct bits") {
     namespace table = detail::table;
     Exact exact, sum;
     const auto check = [&](std::int64_t high, std::int64_t rest) {

@@ -77,7 +77,7 @@ long double reconstruction_error(const Mat3& m, const Diagonal& d) {
 
 } // namespace
 
-TEST_CASE("the determinant is exact to its bound, from grams to kilotons") {
+TEST_CASE("the determinant is within its error bound from grams to kilotons") {
     Random random = Random::seeded(40);
     long bad = 0, planted = 0;
     for (int i = 0; i < points(100000); ++i) {
@@ -100,7 +100,7 @@ TEST_CASE("the determinant is exact to its bound, from grams to kilotons") {
     CHECK(lockstone::determinant(Mat3::diagonal(2000000000_r, 0.001_r, 0.001_r)) > 1999_r);
 }
 
-TEST_CASE("the inverse is accurate to the condition number, from grams to kilotons") {
+TEST_CASE("the inverse is as accurate as the condition number allows from grams to kilotons") {
     Random random = Random::seeded(41);
     long bad = 0, checked = 0, planted = 0;
     for (int i = 0; i < points(100000); ++i) {
@@ -129,7 +129,7 @@ TEST_CASE("the inverse is accurate to the condition number, from grams to kiloto
     CHECK(lockstone::inverse(extreme).x.x.raw == -2);
 }
 
-TEST_CASE("a symmetric matrix is put together again from its values and axes") {
+TEST_CASE("the eigenvalues and axes of a symmetric matrix give the matrix back") {
     Random random = Random::seeded(42);
     long double worst = 0;
     long bad = 0, planted = 0, not_turned = 0;
@@ -152,7 +152,7 @@ TEST_CASE("a symmetric matrix is put together again from its values and axes") {
     CHECK(planted > 20000);
 }
 
-TEST_CASE("eigenvalues alone are accurate to their bound") {
+TEST_CASE("the eigenvalues are within their own error bound") {
     Random random = Random::seeded(43);
     long bad = 0;
     for (int i = 0; i < points(30000); ++i) {
@@ -190,7 +190,7 @@ TEST_CASE("a nearly diagonal matrix keeps its order of axes") {
     CHECK(d.axes.w > decimal<Unit>("0.9999"));
 }
 
-TEST_CASE("the moments of a turned box are those of the box") {
+TEST_CASE("diagonalize() returns the moments of a box for its rotated inertia") {
     Random random = Random::seeded(44);
     for (int i = 0; i < 1000; ++i) {
         const Quat q = from_axis_angle(random.unit_vector(), random.range(0_r, pi));

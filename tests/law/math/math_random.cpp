@@ -44,7 +44,7 @@ BitMatrix one_draw() {
 
 } // namespace
 
-TEST_CASE("the generator is xoshiro256**: the values of its reference implementation") {
+TEST_CASE("the generator draws the values of the reference implementation of xoshiro256**") {
     Random r{{1, 2, 3, 4}};
     const std::uint64_t expected[] = {11520,
                                       0,
@@ -63,7 +63,7 @@ TEST_CASE("the generator is xoshiro256**: the values of its reference implementa
         CHECK(split_mix(seed) == e);
 }
 
-TEST_CASE("jump is 2^128 draws: the transition matrix squared 128 times") {
+TEST_CASE("jump() equals 2^128 draws by the transition matrix that is squared 128 times") {
     BitMatrix m = one_draw();
     for (int square = 0; square < 128; ++square) {
         BitMatrix next(256);
@@ -78,7 +78,7 @@ TEST_CASE("jump is 2^128 draws: the transition matrix squared 128 times") {
     CHECK(r.state != expected); // planted fault: one draw more
 }
 
-TEST_CASE("every draw has recorded values, on every processor") {
+TEST_CASE("every kind of draw returns its recorded values on every processor") {
     Random r = Random::seeded(2026, 3);
     CHECK(r.next_u64() == 16873736849583921343u);
     CHECK(r.next_u32() == 3129625585u);
@@ -93,7 +93,7 @@ TEST_CASE("every draw has recorded values, on every processor") {
     CHECK(items == std::array<int, 8>{5, 0, 2, 4, 6, 3, 7, 1});
 }
 
-TEST_CASE("a generator is its state: a copy goes on with the same draws, zeros act as seed 0") {
+TEST_CASE("a copy of a generator continues with the same draws and a state of zeros acts as seed 0") {
     Random a = Random::seeded(5), b{};
     a.unit_vector();
     Random copy = a;
@@ -106,7 +106,7 @@ TEST_CASE("a generator is its state: a copy goes on with the same draws, zeros a
     CHECK_FALSE(Random{}.split(3) == Random{}.split(4));
 }
 
-TEST_CASE("seeds, streams and splits differ, and splitting does not move the parent") {
+TEST_CASE("seeds and streams and splits draw different numbers and a split does not change its parent") {
     std::vector<std::uint64_t> first;
     Random parent = Random::seeded(1);
     const Random before = parent;
@@ -122,7 +122,7 @@ TEST_CASE("seeds, streams and splits differ, and splitting does not move the par
     CHECK(parent.split(0) != before.split(0));
 }
 
-TEST_CASE("integer ranges are even and closed, also where a remainder would favour some") {
+TEST_CASE("integer ranges are even and closed even for counts at which a remainder would be biased") {
     Random r = Random::seeded(6);
     std::array<long, 6> dice{};
     const long throws = points(600000);
@@ -169,7 +169,7 @@ TEST_CASE("uniform and real ranges are even and half open") {
     for (int i = 0; i < 100; ++i) CHECK(r.range(1_r, 1_r + Real::step()) == 1_r);
 }
 
-TEST_CASE("chance is never at 0, always at 1, and its share between") {
+TEST_CASE("chance() is never true at 0 and always at 1 and true in its share between them") {
     Random r = Random::seeded(8);
     long never = 0, always = 0, quarter = 0;
     for (int i = 0; i < 200000; ++i) {
@@ -199,7 +199,7 @@ TEST_CASE("unit vectors have length one and no preferred direction") {
     CHECK(std::fabs(unevenness(bins, draws)) < 6);
 }
 
-TEST_CASE("a shuffle gives every order its share") {
+TEST_CASE("a shuffle returns every order equally often") {
     Random r = Random::seeded(10);
     std::array<long, 24> orders{};
     const long draws = points(240000);

@@ -55,7 +55,7 @@ std::vector<std::uint64_t> operands(int count) {
 
 } // namespace
 
-TEST_CASE("the integer root is the floor, estimated and in integers alone") {
+TEST_CASE("the integer root is the exact floor from an estimate and in integers alone") {
     long bad = 0, planted = 0;
     for (std::uint64_t n : operands(points(500000))) {
         bad += is_floor_root(n, isqrt(n)) && is_floor_root(n, detail::isqrt_integer(n)) ? 0 : 1;
@@ -65,7 +65,7 @@ TEST_CASE("the integer root is the floor, estimated and in integers alone") {
     CHECK(planted > 100); // planted fault: the estimate without its correction is sometimes wrong
 }
 
-TEST_CASE("roots taken many at once are those taken alone") {
+TEST_CASE("roots that are computed in a batch equal roots that are computed alone") {
     std::vector<std::int64_t> numbers;
     for (const std::uint64_t n : operands(points(20000)))
         numbers.push_back(static_cast<std::int64_t>(n & INT64_MAX));
@@ -83,7 +83,7 @@ TEST_CASE("roots taken many at once are those taken alone") {
     CHECK(differing() == 1);
 }
 
-TEST_CASE("the integer root of 128 bits is the floor, estimated and in integers alone") {
+TEST_CASE("the integer root of 128 bits is the exact floor from an estimate and in integers alone") {
     long bad = 0, differing = 0;
     Random random = Random::seeded(8);
     for (std::uint64_t low : operands(points(500000))) {
@@ -106,7 +106,7 @@ TEST_CASE("the integer root of 128 bits is the floor, estimated and in integers 
     CHECK(detail::isqrt_integer(all, 0) == all);
 }
 
-TEST_CASE("any guess whatever gives the same root") {
+TEST_CASE("the root is the same from any initial guess") {
     long bad = 0, unproved = 0;
     Random random = Random::seeded(9);
     for (std::uint64_t n : operands(points(200000))) {
@@ -131,8 +131,8 @@ TEST_CASE("any guess whatever gives the same root") {
     CHECK(unproved > 100000); // planted fault: the guess itself is wrong
 }
 
-TEST_CASE(
-    "the inverse root is the floor, estimated and in integers alone, and 61 bits after the Newton step") {
+TEST_CASE("the inverse root is the exact floor from an estimate and in integers and has 61 bits after the "
+          "Newton step") {
     long bad = 0, differing = 0, inexact = 0;
     for (std::uint64_t n : operands(points(500000))) {
         const std::uint64_t m = normalised(n), q = detail::inverse_root_integer(m);
@@ -254,7 +254,7 @@ TEST_CASE_TEMPLATE(
     CHECK(planted.normalized.failures > 500);
 }
 
-TEST_CASE("vectors along an axis become exactly that axis, zero takes the fallback") {
+TEST_CASE("the normalized form of a vector along an axis is that axis and of a zero vector the fallback") {
     long bad = 0;
     for (std::int64_t raw : edges<std::int64_t>()) {
         if (raw == 0) continue;
@@ -270,7 +270,7 @@ TEST_CASE("vectors along an axis become exactly that axis, zero takes the fallba
     CHECK(normalized(Quat{Unit::min(), Unit::min(), Unit::min(), Unit::min()}).w.raw == -(1 << 29));
 }
 
-TEST_CASE("any_perpendicular is a unit vector at right angles") {
+TEST_CASE("any_perpendicular() returns a unit vector at a right angle to its argument") {
     long bad = 0;
     Random random = Random::seeded(12);
     for (int i = 0; i < points(500000); ++i) {
@@ -288,7 +288,7 @@ TEST_CASE("any_perpendicular is a unit vector at right angles") {
     CHECK(bad == 0);
 }
 
-TEST_CASE("roots at compile time are the roots at run time") {
+TEST_CASE("roots at compile time equal roots at run time") {
     constexpr Real a = sqrt(2_r), b = inv_sqrt(3_r), c = length(Vec3{1_r, 2_r, 3_r});
     constexpr UnitVec3 n = normalized(Vec3{1_r, 2_r, 3_r});
     Real two = 2_r, three = 3_r;
@@ -336,7 +336,7 @@ std::uint64_t hardware_digest() {
 
 } // namespace
 
-TEST_CASE("rounding modes and flushed denormals of the host change nothing") {
+TEST_CASE("rounding modes and flushed denormals of the host change no root and no function") {
     const std::uint64_t expected = digest(), hardware = hardware_digest();
     bool hardware_differs = false;
     const int before = std::fegetround();
@@ -357,6 +357,6 @@ TEST_CASE("rounding modes and flushed denormals of the host change nothing") {
 #endif
 }
 
-TEST_CASE("the digest of roots and functions is the recorded one on every compiler and processor") {
+TEST_CASE("the digest of roots and functions equals the recorded one on every compiler and processor") {
     CHECK(digest() == 110123937194235003u);
 }

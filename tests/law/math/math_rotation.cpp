@@ -77,7 +77,7 @@ template <FixedPoint T> Sweep integration_errors(int count, int fault) {
 
 } // namespace
 
-TEST_CASE("axis and angle make the quaternion of the formula") {
+TEST_CASE("from_axis_angle() returns the quaternion of the formula") {
     Random random = Random::seeded(31);
     Sweep sweep, faulty;
     for (int i = 0; i < points(200000); ++i) {
@@ -97,7 +97,7 @@ TEST_CASE("axis and angle make the quaternion of the formula") {
     CHECK(from_axis_angle(UnitVec3{unit_one, Unit{}, Unit{}}, 0_r) == Quat::identity());
 }
 
-TEST_CASE("axis and angle come back") {
+TEST_CASE("to_axis_angle() returns an axis and an angle that give the quaternion back") {
     Random random = Random::seeded(32);
     long bad = 0;
     for (int i = 0; i < points(100000); ++i) {
@@ -115,7 +115,7 @@ TEST_CASE("axis and angle come back") {
     CHECK(tiny.angle.raw == 8); // 2 * 2^-30
 }
 
-TEST_CASE("from_to takes one direction to the other, equal, near and opposite ones too") {
+TEST_CASE("from_to() rotates one direction to another even for equal or near or opposite directions") {
     Random random = Random::seeded(33);
     long bad = 0;
     const auto check = [&](UnitVec3 a, UnitVec3 b) {
@@ -138,7 +138,7 @@ TEST_CASE("from_to takes one direction to the other, equal, near and opposite on
     CHECK(from_to(x, -x).w == Unit{});
 }
 
-TEST_CASE("Euler angles turn about the fixed axes x, y, z in turn") {
+TEST_CASE("from_euler() rotates about the fixed axes in the order x then y then z") {
     Random random = Random::seeded(34);
     Sweep sweep;
     for (int i = 0; i < points(100000); ++i) {
@@ -151,7 +151,7 @@ TEST_CASE("Euler angles turn about the fixed axes x, y, z in turn") {
     CHECK(from_euler(Vec3{}) == Quat::identity());
 }
 
-TEST_CASE("a quaternion comes back from its matrix") {
+TEST_CASE("from_rotation() returns the quaternion of a rotation matrix") {
     Random random = Random::seeded(35);
     Sweep sweep;
     for (int i = 0; i < points(200000); ++i) {
@@ -169,7 +169,7 @@ TEST_CASE("a quaternion comes back from its matrix") {
     }
 }
 
-TEST_CASE("slerp moves at constant speed along the shorter arc, nlerp along the same arc") {
+TEST_CASE("slerp() moves at constant speed along the shorter arc and nlerp() moves along the same arc") {
     Random random = Random::seeded(36);
     Sweep sweep, between;
     for (int i = 0; i < points(100000); ++i) {
@@ -195,7 +195,7 @@ TEST_CASE("slerp moves at constant speed along the shorter arc, nlerp along the 
     CHECK(between.failures == 0);
 }
 
-TEST_CASE("interpolation starts at one end, stops at the other and clamps") {
+TEST_CASE("interpolation starts at one end and stops at the other and clamps") {
     Random random = Random::seeded(37);
     long bad = 0;
     for (int i = 0; i < 10000; ++i) {
@@ -220,7 +220,7 @@ TEST_CASE_TEMPLATE("a turn is the exponential map, however small or large", T, I
     CHECK(integration_errors<T>(1000, 4).failures == 1000); // planted fault: four steps off
 }
 
-TEST_CASE("a turn of an arbitrary quaternion does not overflow") {
+TEST_CASE("rotation functions do not overflow for arbitrary quaternions") {
     Random random = Random::seeded(38);
     for (int i = 0; i < 20000; ++i) {
         Quat q{};
@@ -269,7 +269,7 @@ Quat advance_coarsely(Quat q, Vector3<Separation> v) {
 
 } // namespace
 
-TEST_CASE("ten minutes of turning at 240 Hz drift less than 5 microradians, at any rate") {
+TEST_CASE("ten minutes of rotation at 240 Hz drift by less than 5 microradians at any rate") {
     const auto ours = [](Quat q, Vector3<Separation> v) { return integrate_rotation(q, v); };
     double worst = 0, coarse = 0;
     for (double rate : {0.00001, 0.001, 0.02, 0.3, 1.0, 5.0, 50.0}) {

@@ -84,7 +84,7 @@ TEST_CASE_TEMPLATE("operators round once and clamp, on all edge pairs and random
     CHECK(wrong_operators_everywhere<T>(1000, 1) >= 1000); // planted fault: a product one step too small
 }
 
-TEST_CASE("a product of neighbours in one format shows the rounding rule: ties towards plus infinity") {
+TEST_CASE("products round ties towards plus infinity") {
     const Real step = Real::step();
     CHECK(0.5_r * step == step);
     CHECK(-0.5_r * step == Real{});
@@ -92,7 +92,7 @@ TEST_CASE("a product of neighbours in one format shows the rounding rule: ties t
     CHECK(-1.5_r * step == -step);
 }
 
-TEST_CASE("floor goes down for every format, also without integer bits to spare") {
+TEST_CASE("floor() rounds down in every format even in formats without spare integer bits") {
     CHECK(floor(1.75_r) == 1_r);
     CHECK(floor(-1.25_r) == -2_r);
     CHECK(floor(Real::min()) == Real::min());
@@ -102,7 +102,7 @@ TEST_CASE("floor goes down for every format, also without integer bits to spare"
     CHECK(floor_to_int(-0.5_r) == -1);
 }
 
-TEST_CASE("integers convert clamped") {
+TEST_CASE("conversions from integers clamp") {
     CHECK(Real(3) == 3_r);
     CHECK(Real(-2147483648LL) == Real::min());
     CHECK(Real(2147483648LL) == Real::max());
@@ -126,7 +126,7 @@ TEST_CASE("a change of format rounds once and clamps") {
     CHECK(bad == 0);
 }
 
-TEST_CASE("sums of products clamp instead of wrapping, also three squares of the farthest positions") {
+TEST_CASE("sums of products clamp and do not wrap even for three squares of the farthest positions") {
     const Vec3 far{Real::min(), Real::min(), Real::min()};
     CHECK(dot(far, far) == Real::max());
     CHECK(dot(far, -far) == Real::min());
@@ -136,7 +136,7 @@ TEST_CASE("sums of products clamp instead of wrapping, also three squares of the
     CHECK(dot(large, large) == Unit::max());
 }
 
-TEST_CASE("decimals that are not one, too long or out of range are refused with the reason") {
+TEST_CASE("parse_decimal() rejects text that is malformed or too long or out of range with the reason") {
     CHECK(parse_decimal<Real>("").error == DecimalError::empty);
     CHECK(parse_decimal<Real>("-").error == DecimalError::empty);
     CHECK(parse_decimal<Real>(".").error == DecimalError::empty);
@@ -189,7 +189,7 @@ TEST_CASE_TEMPLATE("the exact text has all digits, the shortest one reads back a
     CHECK(too_long == 0);
 }
 
-TEST_CASE("decimal text looks as one writes it") {
+TEST_CASE("to_string() writes decimals in the usual notation") {
     CHECK(to_string(-9.81_r) == "-9.81");
     CHECK(to_string(0_r) == "0");
     CHECK(to_string(42_r) == "42");

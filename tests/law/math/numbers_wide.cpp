@@ -116,7 +116,7 @@ bool is_rounded_quotient(std::int64_t n, std::int64_t d, int shift, std::int64_t
 } // namespace
 
 #if LOCKSTONE_HAS_INT128
-TEST_CASE("128-bit halves and the compiler's 128-bit integer agree on every pair of edge operands") {
+TEST_CASE("the portable 128-bit type and the compiler's agree on every pair of edge operands") {
     long bad = 0;
     const std::vector<std::int64_t> all = edges<std::int64_t>();
     int shift = 0;
@@ -125,16 +125,16 @@ TEST_CASE("128-bit halves and the compiler's 128-bit integer agree on every pair
     CHECK(bad == 0);
 }
 
-TEST_CASE("128-bit halves and the compiler's 128-bit integer agree on random operands of all sizes") {
+TEST_CASE("the portable 128-bit type and the compiler's agree on random operands of all sizes") {
     CHECK(disagreements_at_random<WidePortable>(points(4000000)) == 0);
 }
 
-TEST_CASE("planted fault: a lost carry between the halves is seen") {
+TEST_CASE("planted fault: the comparison reports a lost carry between the halves of the 128-bit type") {
     CHECK(disagreements_at_random<LostCarry>(10000) > 100);
 }
 #endif
 
-TEST_CASE("128 by 64 bit division returns the quotient and remainder that multiply back, in both versions") {
+TEST_CASE("both versions of the 128 by 64 bit division return a quotient and remainder that multiply back") {
     Random random = Random::seeded(2);
     const std::vector<std::int64_t> special = edges<std::int64_t>();
     long bad = 0, differing = 0;
@@ -190,7 +190,7 @@ TEST_CASE("a shifted division is rounded by its definition and clamped") {
     CHECK(divide_shifted(-3, 2, 0) == -1);
 }
 
-TEST_CASE("a right shift rounds to nearest, ties up, without overflow") {
+TEST_CASE("a right shift rounds to nearest with ties up and without overflow") {
     CHECK(shift_right_rounded(3, 1) == 2);
     CHECK(shift_right_rounded(-3, 1) == -1);
     CHECK(shift_right_rounded(-5, 1) == -2);
@@ -207,12 +207,12 @@ TEST_CASE("a right shift rounds to nearest, ties up, without overflow") {
     CHECK(bad == 0);
 }
 
-TEST_CASE("a wide value is rounded and clamped alike by shifts that the compiler knows") {
+TEST_CASE("shifts that are known at compile time round and clamp a wide value by the definition") {
     CHECK(misses_of_shifts<Wide>() == 0);
     CHECK(misses_of_shifts<WidePortable>() == 0);
 }
 
-TEST_CASE("sums, differences and left shifts clamp to 64 bits") {
+TEST_CASE("saturated sums and differences and left shifts clamp to 64 bits") {
     long bad = 0;
     for (std::int64_t a : edges<std::int64_t>())
         for (std::int64_t b : edges<std::int64_t>()) {

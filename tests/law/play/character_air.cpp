@@ -13,7 +13,7 @@ constexpr double skin = 0.004, tick_time = 1.0 / 60;
 
 } // namespace
 
-TEST_CASE("a jump is as high as v^2 / 2g, and takes 2v / g") {
+TEST_CASE("a jump has a height of v^2 / 2g and takes a time of 2v / g") {
     for (const double speed : {3.0, 5.0, 9.0})
         for (const double gravity : {9.81, 20.0}) {
             World w = made(World::create(small_def()));
@@ -36,7 +36,7 @@ TEST_CASE("a jump is as high as v^2 / 2g, and takes 2v / g") {
         }
 }
 
-TEST_CASE("one press is one jump; a press just before landing or just after an edge still counts") {
+TEST_CASE("one press causes one jump even shortly before a landing or shortly after an edge") {
     World w = made(World::create(small_def()));
     add_floor(w);
     add_wall(w, at(-2, 0.5, 0), vec(2, 0.5, 2)); // its edge at x = 0
@@ -84,7 +84,7 @@ TEST_CASE("one press is one jump; a press just before landing or just after an e
     }
 }
 
-TEST_CASE("a slope that is too steep lets a character slide down, not up, and not jump") {
+TEST_CASE("a character on a slope that is too steep slides down and cannot climb and cannot jump") {
     World w = made(World::create(small_def()));
     add_floor(w);
     add_ramp(w, 60);
@@ -109,7 +109,7 @@ TEST_CASE("a slope that is too steep lets a character slide down, not up, and no
     CHECK(feet(w, c)[1] < 1.5);
 }
 
-TEST_CASE("at 50 m/s nothing is passed through, however thin") {
+TEST_CASE("a character passes through no thin wall at up to 90 m/s and falls through no thin floor") {
     for (const double speed : {10.0, 50.0, 90.0}) {
         World w = made(World::create(small_def()));
         add_floor(w);
@@ -136,7 +136,7 @@ TEST_CASE("at 50 m/s nothing is passed through, however thin") {
     CHECK(feet(w, c)[1] == test::about(0.005 + skin, 0.1));
 }
 
-TEST_CASE("a one-way platform is jumped through from below and stood on from above") {
+TEST_CASE("a character jumps through a one-way platform from below and lands on it from above") {
     World w = made(World::create(small_def()));
     add_floor(w);
     add(w, {.kind = BodyKind::static_, .pose = at(0, 1, 0)},
@@ -165,7 +165,7 @@ TEST_CASE("a one-way platform is jumped through from below and stood on from abo
     }
 }
 
-TEST_CASE("made inside something, a character comes out") {
+TEST_CASE("a character that is created inside a body moves out of it") {
     World w = made(World::create(small_def()));
     add_floor(w);
     add_wall(w, at(0, 0.5, 0), vec(1, 0.5, 1));
@@ -214,7 +214,7 @@ Landings drop_from(double height, bool onto_lift = false) {
 
 } // namespace
 
-TEST_CASE("a character that lands says so once, with its ground and the speed of its fall") {
+TEST_CASE("a character that lands reports one landing with its ground and the speed relative to its ground") {
     for (const double height : {0.5, 2.0, 5.0}) {
         const Landings l = drop_from(height);
         CHECK(l.count == 1);
@@ -223,11 +223,12 @@ TEST_CASE("a character that lands says so once, with its ground and the speed of
     CHECK(drop_from(2, true).speed > drop_from(2).speed + 0.8); // onto a rising lift
 }
 
-TEST_CASE("planted fault: the speed of a fall from another height is found to be wrong") {
+TEST_CASE("planted fault: the check rejects the landing speed of a fall from another height") {
     CHECK(drop_from(2).speed != test::about(std::sqrt(2 * 9.81 * 2.5), 0.05));
 }
 
-TEST_CASE("walking, stairs and standing tell of no landing; every jump of one") {
+TEST_CASE("a character reports no landing when it walks or climbs stairs or stands and one landing after "
+          "each jump") {
     World w = made(World::create(small_def()));
     add_floor(w);
     for (int i = 0; i < 4; ++i) add_wall(w, at(3 + 0.5 * i, 0.1 * (i + 1), 0), vec(0.25, 0.1 * (i + 1), 2));

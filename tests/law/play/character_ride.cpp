@@ -39,7 +39,7 @@ Crate crate_ahead(double mass, double friction, double push_force) {
 
 } // namespace
 
-TEST_CASE("a platform carries a character at its own speed, level, up and down") {
+TEST_CASE("a platform carries a character at its own speed horizontally and up and down") {
     for (const D3 velocity : {D3{2, 0, 0}, D3{0, 1.5, 0}, D3{0, -1.5, 0}, D3{-1, 1, 3}, D3{12, -4, 0}}) {
         World w = made(World::create(small_def()));
         const BodyId platform = add_platform(w, at(0, 5, 0), vec(2, 0.2, 2), {});
@@ -56,7 +56,7 @@ TEST_CASE("a platform carries a character at its own speed, level, up and down")
     }
 }
 
-TEST_CASE("a turning platform carries a character round, and turns it") {
+TEST_CASE("a turning platform carries a character around its axis and turns the character") {
     World w = made(World::create(small_def()));
     add_platform(w, at(0, 1, 0), vec(4, 0.2, 4), {}, vec(0, 1, 0));
     const CharacterId c = add_character(w, 3, 1.21, 0);
@@ -73,7 +73,7 @@ TEST_CASE("a turning platform carries a character round, and turns it") {
     CHECK(std::abs(to_double(w.angular_velocity(w.body_of(c)).y) - 1) < 1e-5);
 }
 
-TEST_CASE("who jumps off a platform takes its velocity along") {
+TEST_CASE("a character that jumps off a platform keeps the platform's velocity") {
     World w = made(World::create(small_def()));
     const BodyId platform = add_platform(w, at(0, 5, 0), vec(2, 0.2, 2), {});
     CharacterDef def;
@@ -89,7 +89,7 @@ TEST_CASE("who jumps off a platform takes its velocity along") {
     CHECK(v[1] == test::about(5 + 1 - 9.81 / 60, 0.001));
 }
 
-TEST_CASE("a door pushes a character ahead of it, and a wall behind keeps it out of the wall") {
+TEST_CASE("a door pushes a character and does not push it into a wall") {
     World w = made(World::create(small_def()));
     add_floor(w);
     const BodyId door = add_platform(w, at(-3, 1, 0), vec(0.05, 0.99, 2), vec(6, 0, 0));
@@ -111,7 +111,7 @@ TEST_CASE("a door pushes a character ahead of it, and a wall behind keeps it out
     CHECK(squeezed);
 }
 
-TEST_CASE("a crate is pushed with at most push_force") {
+TEST_CASE("a character pushes a crate with at most push_force") {
     // Without friction: the acceleration is push_force / mass, until the crate is as fast as the character.
     for (const double mass : {50.0, 400.0}) {
         Crate k = crate_ahead(mass, 0, 300);
@@ -138,7 +138,7 @@ TEST_CASE("a crate is pushed with at most push_force") {
     CHECK(most > 400);
 }
 
-TEST_CASE("friction holds what push_force is too weak for") {
+TEST_CASE("friction holds a crate if push_force is too weak") {
     Crate held = crate_ahead(100, 0.5, 400); // friction holds it with up to 490 N
     run(held.w, 240);
     CHECK(std::abs(position(held.w, held.crate)[0] - 2) < 0.002);
@@ -148,7 +148,8 @@ TEST_CASE("friction holds what push_force is too weak for") {
     CHECK(position(moved.w, moved.crate)[0] > 3);
 }
 
-TEST_CASE("a ball that hits a character is stopped as by a body of its mass, and the character stays put") {
+TEST_CASE(
+    "a light ball that hits a character stops without moving it and a heavy ball pushes the character") {
     for (const double mass : {1.0, 800.0}) {
         World w = made(World::create(small_def()));
         add_floor(w);
@@ -172,7 +173,7 @@ TEST_CASE("a ball that hits a character is stopped as by a body of its mass, and
     }
 }
 
-TEST_CASE("a character weighs on what it stands on, and things lie on its head") {
+TEST_CASE("a character loads the body under it with its weight and carries a crate on its head") {
     // A raft of 400 kg that floats in the air, and 80 kg on it.
     World w = made(World::create(small_def()));
     const BodyId cart = add(w, {.locks = 61, .pose = at(0, 5, 0), .gravity_scale = {}, .mass = real(400)},
@@ -211,7 +212,7 @@ TEST_CASE("characters are obstacles to each other") {
     CHECK_FALSE(stands(w, ghost));
 }
 
-TEST_CASE("destroying what a character stands on or is made of leaves a good world") {
+TEST_CASE("the world stays valid after the destruction of a character's ground and of its own body") {
     World w = made(World::create(small_def()));
     const BodyId floor = add_wall(w, at(0, -0.5, 0), vec(5, 0.5, 5));
     const CharacterId a = add_character(w, 0, 0.01, 0), b = add_character(w, 1, 0.01, 0);
@@ -234,7 +235,7 @@ TEST_CASE("destroying what a character stands on or is made of leaves a good wor
     w.tick();
 }
 
-TEST_CASE("a conveyor carries a character at its own speed, in its own direction, until a wall stops it") {
+TEST_CASE("a conveyor carries a character at its own velocity until a wall stops the character") {
     for (const double degrees : {0.0, 10.0}) {
         World w = made(World::create(small_def()));
         // The belt's x axis is the world's -z, turned up by degrees.
@@ -265,8 +266,8 @@ TEST_CASE("a conveyor carries a character at its own speed, in its own direction
     }
 }
 
-TEST_CASE(
-    "who jumps off a conveyor takes its velocity along, and who steps on or off loses it as it brakes") {
+TEST_CASE("a character that jumps off a conveyor keeps its velocity and one that leaves it on foot brakes to "
+          "rest") {
     World w = made(World::create(small_def()));
     add_floor(w);
     add(w, {.kind = BodyKind::static_, .pose = at(0, -0.4, 0)},
@@ -287,7 +288,7 @@ TEST_CASE(
     CHECK(length(to_double(off.linear_velocity(off.body_of(c)))) < 1e-4);
 }
 
-TEST_CASE("a mesh carries a character where a material of its is a conveyor, and nowhere else") {
+TEST_CASE("a mesh carries a character only on triangles whose material is a conveyor") {
     const std::vector<Vec3> vertices = {vec(-20, 0, -5), vec(-20, 0, 5), vec(0, 0, -5),
                                         vec(0, 0, 5),    vec(20, 0, -5), vec(20, 0, 5)};
     const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}};

@@ -51,7 +51,7 @@ double wander(World& w, CharacterId c, int ticks) {
 
 } // namespace
 
-TEST_CASE("a character that stands does not move at all, on flat ground and on a slope") {
+TEST_CASE("a character that stands does not move on flat ground or on a slope") {
     for (const double degrees : {0.0, 17.0, 40.0}) {
         World w = made(World::create(small_def()));
         add_floor(w);
@@ -67,7 +67,7 @@ TEST_CASE("a character that stands does not move at all, on flat ground and on a
     }
 }
 
-TEST_CASE("slopes up to slope_max are climbed, steeper ones are not") {
+TEST_CASE("a character climbs slopes up to slope_max and no steeper slopes") {
     for (const double limit : {30.0, 50.0, 65.0}) {
         INFO("slope_max ", limit);
         CHECK(climbed(limit - 1, limit) > 2);
@@ -76,7 +76,7 @@ TEST_CASE("slopes up to slope_max are climbed, steeper ones are not") {
     CHECK(climbed(51, 52) > 2); // negative control: with a higher limit it climbs
 }
 
-TEST_CASE("horizontal speed is kept up and down a slope") {
+TEST_CASE("a character keeps its horizontal speed up and down a slope") {
     World w = made(World::create(small_def()));
     add_floor(w);
     add_ramp(w, 30);
@@ -93,7 +93,7 @@ TEST_CASE("horizontal speed is kept up and down a slope") {
     }
 }
 
-TEST_CASE("blocks up to step_height are walked onto, higher ones are not") {
+TEST_CASE("a character walks onto blocks up to step_height and onto no higher blocks") {
     for (const double height : {0.2, 0.35, 0.5}) {
         INFO("step_height ", height);
         CHECK(steps_onto(height - 0.01, height));
@@ -104,7 +104,7 @@ TEST_CASE("blocks up to step_height are walked onto, higher ones are not") {
     CHECK_FALSE(steps_onto(0.3, 0)); // negative control: without a step height the block is a wall
 }
 
-TEST_CASE("stairs are walked up and down at the same horizontal speed") {
+TEST_CASE("a character walks up and down stairs at the same horizontal speed") {
     World w = made(World::create(small_def()));
     add_floor(w);
     add_stairs(w, 10, 0.2, 0.3);
@@ -132,7 +132,7 @@ TEST_CASE("stairs are walked up and down at the same horizontal speed") {
     }
 }
 
-TEST_CASE("ground within step_down is walked down to, deeper ground is fallen to") {
+TEST_CASE("a character walks down to ground within step_down and falls to deeper ground") {
     for (const double depth : {0.3, 0.6}) {
         World w = made(World::create(small_def()));
         add_floor(w);
@@ -151,7 +151,7 @@ TEST_CASE("ground within step_down is walked down to, deeper ground is fallen to
     }
 }
 
-TEST_CASE("along a wall only what goes into it is lost") {
+TEST_CASE("a character that walks along a wall loses only the part of its velocity into the wall") {
     World w = made(World::create(small_def()));
     add_floor(w);
     add_wall(w, at(0, 1, 1), vec(20, 1, 0.5));
@@ -166,7 +166,7 @@ TEST_CASE("along a wall only what goes into it is lost") {
     CHECK(feet(w, c)[2] == test::about(0.5 - 0.3 - skin, 0.001));
 }
 
-TEST_CASE("in a corner a character stays within a millimetre, whatever the corner's angle") {
+TEST_CASE("a character stays within a millimetre in a corner of any angle") {
     for (const double degrees : {30.0, 60.0, 90.0, 120.0}) {
         World w = made(World::create(small_def()));
         add_floor(w);
@@ -188,7 +188,7 @@ TEST_CASE("in a corner a character stays within a millimetre, whatever the corne
     }
 }
 
-TEST_CASE("under a low ceiling a character stays crouched, and stands up behind it") {
+TEST_CASE("a character stays crouched under a low ceiling and rises behind it") {
     World w = made(World::create(small_def()));
     add_floor(w);
     add_wall(w, at(4, 2.2, 0), vec(2, 1, 2)); // its underside at 1.2 m
@@ -212,7 +212,7 @@ TEST_CASE("under a low ceiling a character stays crouched, and stands up behind 
     CHECK(feet(w, c)[0] > 6.3);
 }
 
-TEST_CASE("on terrain of triangles a character keeps its speed and never sinks in") {
+TEST_CASE("a character keeps its speed on terrain of triangles and never sinks in") {
     for (const bool is_mesh : {true, false}) {
         AssetLibrary library;
         AssetId id{};
@@ -257,7 +257,7 @@ TEST_CASE("on terrain of triangles a character keeps its speed and never sinks i
     }
 }
 
-TEST_CASE("up is whatever the definition says") {
+TEST_CASE("a character walks on a wall if its definition sets the up direction to the wall's normal") {
     World w = made(World::create(small_def()));
     add_wall(w, at(-0.5, 0, 0), vec(0.5, 10, 10)); // a wall at x = 0 is the ground
     CharacterDef def;

@@ -53,7 +53,7 @@ const double ball_mass = 1000 * 4.0 / 3 * pi_ * 0.25 * 0.25 * 0.25;
 
 } // namespace
 
-TEST_CASE("falling bodies reach the speed at which drag bears their weight") {
+TEST_CASE("falling bodies reach the speed at which drag balances their weight") {
     CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.01, 0, 50) == "");
     CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.01, 400, 0) == "");
     CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.01, 100, 20) == "");
@@ -62,12 +62,12 @@ TEST_CASE("falling bodies reach the speed at which drag bears their weight") {
     CHECK(terminal_fault(cylinder(real(0.2), real(0.05)), pi_ * 0.04, 0, 40) == "");
 }
 
-TEST_CASE("planted fault: a body with a tenth more drag is found to fall too slowly") {
+TEST_CASE("planted fault: the check reports that a body with a tenth more drag falls too slowly") {
     CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.01, 0, 50, 1.1) != "");
     CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.011, 400, 0) != "");
 }
 
-TEST_CASE("wind carries what is free along, at last at its own speed; drag_scale 0 is left behind") {
+TEST_CASE("wind accelerates free bodies to its own speed and does not move bodies with drag_scale 0") {
     World w = made(World::create(weightless()));
     made(w.create_field(air(50, 10, vec(8, 0, -3))));
     const BodyId leaf = add(w, {.pose = at(0, 0, 0)},
@@ -79,7 +79,7 @@ TEST_CASE("wind carries what is free along, at last at its own speed; drag_scale
     CHECK(w.linear_velocity(ghost) == Vec3{});
 }
 
-TEST_CASE("wind turns a vane: the larger end goes to leeward") {
+TEST_CASE("wind turns the larger end of a vane to leeward") {
     World w = made(World::create(weightless()));
     made(w.create_field(air(20, 5, vec(10, 0, 0))));
     const BodyId vane =
@@ -95,7 +95,7 @@ TEST_CASE("wind turns a vane: the larger end goes to leeward") {
     CHECK(to_double(points.x) > 0.98);
 }
 
-TEST_CASE("turning dies out as exp(-c A / m t)") {
+TEST_CASE("angular drag reduces a spin as exp(-c A / m t)") {
     World w = made(World::create(weightless()));
     FieldDef still = air(0, 0);
     still.drag_angular = Real(200);
@@ -105,7 +105,7 @@ TEST_CASE("turning dies out as exp(-c A / m t)") {
     CHECK(near(spin(w, b)[1], 5 * std::exp(-200 * pi_ * 0.0625 / ball_mass), 0.005) == "");
 }
 
-TEST_CASE("the wind blows on what stands out of the water, and the current takes what is under") {
+TEST_CASE("wind pushes the part of a body above the water and the current pushes the part below") {
     const auto drift = [](double density) {
         World w = made(World::create(small_def()));
         Region region{.kind = RegionKind::box, .pose = at(0, -4, 0)};
@@ -126,7 +126,7 @@ TEST_CASE("the wind blows on what stands out of the water, and the current takes
     CHECK(high[0] > 3 * deep[0]);
 }
 
-TEST_CASE("a light sheet in a strong drag neither shoots back nor gains energy, at any coefficient") {
+TEST_CASE("a light sheet in strong drag does not reverse and gains no energy at any coefficient") {
     for (double c : {1.0, 1e3, 1e6}) {
         World w = made(World::create(weightless()));
         made(w.create_field(air(c, c)));
@@ -143,7 +143,7 @@ TEST_CASE("a light sheet in a strong drag neither shoots back nor gains energy, 
     }
 }
 
-TEST_CASE("regions and masks of fields of acceleration") {
+TEST_CASE("a field of acceleration acts only on bodies in its region and of its mask") {
     World w = made(World::create(weightless()));
     FieldDef lift;
     lift.kind = FieldKind::uniform;
@@ -162,7 +162,7 @@ TEST_CASE("regions and masks of fields of acceleration") {
     CHECK(w.linear_velocity(other) == Vec3{});
 }
 
-TEST_CASE("a blast gives a ball its impulse per solid angle times pi a^2 / r^2, far and near") {
+TEST_CASE("a blast gives a ball far or near its impulse per solid angle times pi a^2 / r^2") {
     // A ball in an impulse of j per steradian receives j pi sin^2 of its half angle: an equal expression.
     for (double r : {0.6, 1.0, 2.0, 5.0, 20.0}) {
         const double expected = 5000 * (0.5 / r) * (0.5 / r) * pi_ * 0.0625 / ball_mass;
@@ -173,11 +173,12 @@ TEST_CASE("a blast gives a ball its impulse per solid angle times pi a^2 / r^2, 
     CHECK(blast_speed(7, Falloff::none, 6)[0] == 0);
 }
 
-TEST_CASE("planted fault: a fall off with the distance is found not to be one with its square") {
+TEST_CASE(
+    "planted fault: the check distinguishes a linear falloff from one with the square of the distance") {
     CHECK(near(blast_speed(2, Falloff::linear, 4)[0], 5000 / 16.0 * pi_ * 0.0625 / ball_mass, 0.001) != "");
 }
 
-TEST_CASE("a blast pushes boxes by the side they show, wakes what it hits and nothing else") {
+TEST_CASE("a blast pushes a box by the area of its near side and wakes only the bodies that it hits") {
     World w = made(World::create(drowsy_def()));
     add_floor(w);
     const BodyId near_crate = add_crate(w, at(3, 0.5, 0)), far_crate = add_crate(w, at(20, 0.5, 0));
@@ -195,7 +196,7 @@ TEST_CASE("a blast pushes boxes by the side they show, wakes what it hits and no
     CHECK(near(velocity(w, near_crate)[0], 1000.0 / 9 / 1000, 0.001) == "");
 }
 
-TEST_CASE("the order in which bodies were made changes nothing of water, wind and blasts") {
+TEST_CASE("the order in which bodies are created changes no effect of water and wind and blasts") {
     const auto after = [](bool reversed) {
         World w = made(World::create(small_def()));
         Region region{.kind = RegionKind::box, .pose = at(0, -4, 0)};
@@ -226,7 +227,7 @@ TEST_CASE("the order in which bodies were made changes nothing of water, wind an
     CHECK(after(false) == after(true));
 }
 
-TEST_CASE("a field whose region has a kind needs the sizes of that kind") {
+TEST_CASE("create_field() rejects a region without the sizes that its kind needs") {
     World w = made(World::create(small_def()));
     FieldDef box_of_nothing = wind({});
     box_of_nothing.region.kind = RegionKind::box;
@@ -236,8 +237,8 @@ TEST_CASE("a field whose region has a kind needs the sizes of that kind") {
     CHECK(w.field_count() == 0);
 }
 
-TEST_CASE("drag of the thickest fluid on the largest plate slows it as it should: its product is beyond the "
-          "range of a Real") {
+TEST_CASE("drag is exact for the thickest fluid and the largest plate whose product is beyond the range of a "
+          "Real") {
     World w = made(World::create(weightless()));
     FieldDef tar = wind({});
     tar.drag_quadratic = {}, tar.drag_linear = Real(1000000);

@@ -83,7 +83,7 @@ double tilt_of(const World& w, BodyId b) {
 
 } // namespace
 
-TEST_CASE("boxes and balls float as deep as Archimedes says" *
+TEST_CASE("boxes and balls and cylinders float at the depth of Archimedes' law" *
           doctest::skip(lockstone::test::is_small_sample())) {
     for (double density : {100.0, 500.0, 900.0}) {
         const double ratio = density / 1000;
@@ -95,7 +95,8 @@ TEST_CASE("boxes and balls float as deep as Archimedes says" *
     CHECK(depth_fault(rounded(box(real(0.9), real(0.1), real(0.9)), real(0.1)), 0.2, 500, 0.2) == "");
 }
 
-TEST_CASE("planted fault: a floater is found to lie wrong in brine, and a ball of another density") {
+TEST_CASE(
+    "planted fault: the check reports the wrong depth of a box in brine and of a ball of another density") {
     World w = sea([] {
         FieldDef d = pool();
         d.density = Real(1030);
@@ -107,8 +108,7 @@ TEST_CASE("planted fault: a floater is found to lie wrong in brine, and a ball o
     CHECK(depth_fault(sphere(real(0.5)), 0.5, 500, ball_depth(0.51, 0.5)) != "");
 }
 
-TEST_CASE(
-    "what is lighter than water rises and what is heavier sinks, by the weight of the water it displaces") {
+TEST_CASE("light bodies rise and heavy bodies sink in water by the weight of the water that they displace") {
     for (double density : {500.0, 2000.0}) {
         FieldDef still = pool();
         still.drag_linear = still.drag_quadratic = still.drag_angular = {};
@@ -119,7 +119,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a raft bobs with the period of its draught: 2 pi sqrt(draught / g)") {
+TEST_CASE("a raft bobs with the period 2 pi sqrt(draught / g)") {
     FieldDef still = pool();
     still.drag_linear = still.drag_quadratic = still.drag_angular = {};
     World w = sea(still);
@@ -142,7 +142,8 @@ TEST_CASE("a raft bobs with the period of its draught: 2 pi sqrt(draught / g)") 
     CHECK((crossing - first) / count / 60 == test::about(2 * pi_ * std::sqrt(0.25 / g), 0.005));
 }
 
-TEST_CASE("a tilted raft rights itself, a pencil on its end falls over, a boat loaded low stays upright") {
+TEST_CASE("a tilted raft turns upright and a pencil on its end falls over and a boat with a low load stays "
+          "upright") {
     World w = sea();
     const BodyId raft =
         add_floater(w, box(real(1), real(0.2), real(1)), 400, at(-6, 0, 0, turned(axis_z, 25)));
@@ -158,15 +159,16 @@ TEST_CASE("a tilted raft rights itself, a pencil on its end falls over, a boat l
     CHECK(tilt_of(w, boat) < 0.02);
 }
 
-TEST_CASE("energy only falls in still water") { CHECK(energy_fault(pool()) == ""); }
+TEST_CASE("the energy of a floating body only falls in still water") { CHECK(energy_fault(pool()) == ""); }
 
-TEST_CASE("planted fault: water that streams upwards is found to give energy") {
+TEST_CASE("planted fault: the check reports the energy that a body gains in water that flows upwards") {
     FieldDef fountain = pool();
     fountain.velocity = vec(0, 6, 0);
     CHECK(energy_fault(fountain) != "");
 }
 
-TEST_CASE("what floats at rest falls asleep, and wakes when the water goes, changes or rises") {
+TEST_CASE(
+    "a floating body at rest sleeps and wakes when the water is destroyed or rises or when wind starts") {
     for (int what = 0; what < 3; ++what) {
         World w = made(World::create(drowsy_def()));
         const FieldId field = made(w.create_field(pool()));
@@ -189,7 +191,7 @@ TEST_CASE("what floats at rest falls asleep, and wakes when the water goes, chan
     }
 }
 
-TEST_CASE("masks, enable_fields and the region's sides leave dry what they say") {
+TEST_CASE("water has no effect on bodies outside its mask or its region or with enable_fields 0") {
     World w = sea([] {
         FieldDef d = pool();
         d.mask = 2;
@@ -206,7 +208,7 @@ TEST_CASE("masks, enable_fields and the region's sides leave dry what they say")
     for (BodyId dry : {other, off, outside}) CHECK(velocity(w, dry)[1] == test::about(-g / 2, 0.001));
 }
 
-TEST_CASE("a compound and a hull float as the boxes they are made of") {
+TEST_CASE("a compound and a hull float like the box of their form") {
     std::vector<LengthVec3> corners;
     for (unsigned i = 0; i < 8; ++i)
         corners.push_back(to<Length>(vec(i & 1u ? 1 : -1, i & 2u ? 0.2 : -0.2, i & 4u ? 1 : -1)));
@@ -228,7 +230,7 @@ TEST_CASE("a compound and a hull float as the boxes they are made of") {
 }
 
 TEST_CASE(
-    "cubes of 22 to 28 m of half the water's density lie half under, whatever bits their volume takes") {
+    "cubes of 22 to 28 m with half the density of water float half submerged at any size of their volume") {
     for (int i = 0; i < 12; ++i) {
         const double half = 11 + i * 0.25;
         Region region{.kind = RegionKind::box, .pose = at(0, -50, 0)};

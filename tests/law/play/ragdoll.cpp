@@ -70,7 +70,7 @@ double apart(const RagdollPose& a, const RagdollPose& b) {
 
 } // namespace
 
-TEST_CASE("a ragdoll has the mass that it was given, and its segments their shares") {
+TEST_CASE("a ragdoll has its defined mass and each segment has its share") {
     World w = made(World::create(ragdoll_def()));
     const Ragdoll r = made(make_ragdoll(w, {.height = real(1.7), .mass = real(60), .user_key = 1000}));
     double sum = 0, height = 0;
@@ -98,7 +98,7 @@ TEST_CASE("a ragdoll has the mass that it was given, and its segments their shar
     }));
 }
 
-TEST_CASE("both poses stand within the limits of all joints, and ragdoll_pose reads them back") {
+TEST_CASE("both poses of a ragdoll lie within the limits of all joints and ragdoll_pose() returns them") {
     for (const RagdollPose& pose : {ragdoll_standing(), ragdoll_t_pose()}) {
         World w = made(World::create(weightless(ragdoll_def())));
         const Ragdoll r = made(make_ragdoll(w, {.place = at(3, 1, 2, turned(axis_y, 70)), .pose = pose}));
@@ -142,7 +142,7 @@ template <class Change> std::string fall_fault(int seed, Change&& change) {
 
 } // namespace
 
-TEST_CASE("a ragdoll that falls in any way lies down whole, within its limits, and sleeps") {
+TEST_CASE("a ragdoll that falls in any way stays whole and within its limits and sleeps") {
     const int count = std::getenv("LOCKSTONE_LONG") != nullptr ? 40 : 3;
     for (int seed = 0; seed < count; ++seed) {
         INFO("seed ", seed);
@@ -150,9 +150,8 @@ TEST_CASE("a ragdoll that falls in any way lies down whole, within its limits, a
     }
 }
 
-TEST_CASE(
-    "a ragdoll that falls over opens its joints by at most 30 mm in 19 of 20 falls on planes and boxes, by "
-    "60 mm in any, and by 100 mm on meshes; it gains no energy") {
+TEST_CASE("a ragdoll's fall adds no energy and opens joints by at most 60 mm (30 mm in 19 of 20 falls; 100 "
+          "mm on meshes)") {
     std::vector<double> widest;
     for (int seed = 1; seed <= lockstone::test::tries(100); ++seed) {
         const lockstone::test::RagdollFall fall =
@@ -165,8 +164,8 @@ TEST_CASE(
     CHECK(widest[widest.size() / 2] < 0.01);
 }
 
-TEST_CASE("planted fault: a neck that holds 10 cm off, and a knee that bends the wrong way, are found when "
-          "it falls") {
+TEST_CASE("planted fault: the fall check reports a neck that is 10 cm too long and a knee that bends the "
+          "wrong way") {
     const auto joint = [](const Ragdoll& r, RagdollPart part) {
         return r.joints[static_cast<std::size_t>(part)];
     };
@@ -185,7 +184,7 @@ TEST_CASE("planted fault: a neck that holds 10 cm off, and a knee that bends the
     CHECK(fall_fault(0, backwards).starts_with("a limit is passed"));
 }
 
-TEST_CASE("driven, a ragdoll takes a pose and keeps it; limp again, it lets go") {
+TEST_CASE("a driven ragdoll takes and keeps a pose and a ragdoll without drive has no springs") {
     World w = made(World::create(weightless(ragdoll_def())));
     const Ragdoll r = made(make_ragdoll(w, {}));
     RagdollPose pose = ragdoll_t_pose();
@@ -202,7 +201,7 @@ TEST_CASE("driven, a ragdoll takes a pose and keeps it; limp again, it lets go")
     CHECK(!set_ragdoll_drive(w, r, pose, {.frequency = Real(2000)}).ok());
 }
 
-TEST_CASE("a ragdoll that a world has no room for leaves nothing in it") {
+TEST_CASE("make_ragdoll() leaves no body and no joint in a world without enough capacity") {
     World w = made(World::create(ragdoll_def()));
     const auto full = [&](WorldDef def, const char* words) {
         World small = made(World::create(def));

@@ -81,7 +81,8 @@ double turning_radius(double steer) {
 
 } // namespace
 
-TEST_CASE("a car accelerates by the torque at its wheels over its mass and what turns with it") {
+TEST_CASE(
+    "a car accelerates by the force at its wheels over its mass with the inertia of its turning parts") {
     struct Drive {
         std::int32_t gear;
         double ratio;
@@ -101,7 +102,7 @@ TEST_CASE("a car accelerates by the torque at its wheels over its mass and what 
         }
 }
 
-TEST_CASE("each gear ends at the engine's limit") {
+TEST_CASE("the top speed of each gear is that of the engine's limit") {
     const double ratios[] = {3.6, 2.1, 1.4};
     for (std::int32_t gear = 1; gear <= 3; ++gear) {
         Rig rig = strong_car(400);
@@ -113,7 +114,7 @@ TEST_CASE("each gear ends at the engine's limit") {
     }
 }
 
-TEST_CASE("locked wheels stop in v^2 / (2 mu g)") {
+TEST_CASE("a car with locked wheels stops within v^2 / (2 mu g)") {
     for (double speed : {10.0, 20.0, 30.0})
         for (double grip : {0.5, 0.9}) {
             const Stop s = stop_from(speed, grip, 100);
@@ -126,7 +127,7 @@ TEST_CASE("locked wheels stop in v^2 / (2 mu g)") {
         }
 }
 
-TEST_CASE("brakes that do not lock stop by their torque") {
+TEST_CASE("brakes that do not lock the wheels stop a car by their torque") {
     const Stop s = stop_from(20, 2, 0.5);
     const double force = 0.5 * (2 * 1500 + 2 * 600) / 0.35, mass = 1200 + 4 * 0.9 / (0.35 * 0.35);
     const double expected = s.begin * s.begin / 2 / (force / mass);
@@ -135,7 +136,7 @@ TEST_CASE("brakes that do not lock stop by their torque") {
     CHECK(off(s.way, expected) < 2 * s.begin / 480 / expected + 2 * slip * (mass / 1200 - 1));
 }
 
-TEST_CASE("at walking speed a car rolls about the point where the axles meet") {
+TEST_CASE("a car at walking speed turns about the point where its axles meet") {
     for (double steer : {0.2, 0.5, -0.5, 1.0}) {
         const double angle = std::abs(steer) * 0.6, expected = 2.8 / std::tan(angle);
         const double found = turning_radius(steer);
@@ -149,7 +150,7 @@ TEST_CASE("at walking speed a car rolls about the point where the axles meet") {
     }
 }
 
-TEST_CASE("the inner wheel steers more, as Ackermann has it") {
+TEST_CASE("the inner wheel steers more than the outer one by Ackermann's formula") {
     Rig rig = make_car();
     rig.drive({.steer = 0.5_r}); // to the right
     rig.run(1);
@@ -161,7 +162,7 @@ TEST_CASE("the inner wheel steers more, as Ackermann has it") {
     CHECK(to_double(s.wheel[2].steer) == 0);
 }
 
-TEST_CASE("a car cannot turn with more than its grip, and turns with most of it") {
+TEST_CASE("the lateral acceleration of a car is at most its grip and nearly reaches it") {
     Rig rig = make_car({}, [](VehicleDef& def) {
         set_grip(def, 0.8);
         def.anti_roll[0] = {0, 1, 20000_r};
@@ -190,7 +191,7 @@ TEST_CASE("a car cannot turn with more than its grip, and turns with most of it"
     CHECK(strongest > 0.8 * g * std::cos(0.24));
 }
 
-TEST_CASE("an automatic box shifts up and down at its speeds") {
+TEST_CASE("an automatic gearbox shifts up and down at its defined engine speeds") {
     Rig rig = make_car({}, [](VehicleDef& def) {
         set_grip(def, 2);
         set_engine(def, 300);
@@ -221,7 +222,7 @@ TEST_CASE("an automatic box shifts up and down at its speeds") {
     CHECK(before.gear == 1);
 }
 
-TEST_CASE("a limited slip differential drives the wheel that has grip") {
+TEST_CASE("a limited slip differential drives the wheel with grip like a locked one") {
     const auto way = [](DifferentialKind kind) {
         Rig rig = make_car({}, [&](VehicleDef& def) {
             set_engine(def, 150);
@@ -250,7 +251,7 @@ TEST_CASE("a limited slip differential drives the wheel that has grip") {
     CHECK(limited > 2 * open);
 }
 
-TEST_CASE("a tracked vehicle turns on the spot, and drives straight on") {
+TEST_CASE("a tracked vehicle turns on the spot and drives straight ahead") {
     World w = made(World::create(small_def()));
     add_floor(w);
     const BodyId body =

@@ -89,7 +89,7 @@ Rig car_on_box(const ShapeDef& surface, const BodyDef& body) {
 
 } // namespace
 
-TEST_CASE("a car drives over height fields and meshes, with every kind of wheel cast") {
+TEST_CASE("a car drives over height fields and meshes with every kind of wheel cast") {
     for (WheelCast cast : {WheelCast::ray, WheelCast::sphere, WheelCast::cylinder}) {
         INFO("cast ", static_cast<int>(cast));
         CHECK(drive_over(car_on(bake_field(), cast)) < 0.25);
@@ -97,7 +97,7 @@ TEST_CASE("a car drives over height fields and meshes, with every kind of wheel 
     }
 }
 
-TEST_CASE("wheels push the ground as it pushes them") {
+TEST_CASE("wheels push the ground with the opposite of the force on the car") {
     // On a freely sliding raft the total momentum of car and raft stays zero.
     Rig rig = car_on_box({.geometry = box(3_r, 0.4_r, 12_r)}, {.pose = at(0, 0.4, 0), .mass = 3000_r});
     rig.run(180);
@@ -121,7 +121,7 @@ TEST_CASE("a braked car rides a conveyor") {
     CHECK(off(rig.speed(), 2) < 1e-3);
 }
 
-TEST_CASE("grip goes with the friction of the ground") {
+TEST_CASE("the grip of tyres is proportional to the friction of the ground") {
     const auto way = [](Real friction) {
         Rig rig = car_on_box({.geometry = box(3_r, 0.4_r, 90_r), .friction = friction},
                              {.kind = BodyKind::static_, .pose = at(0, 0.4, 0)});
@@ -135,7 +135,7 @@ TEST_CASE("grip goes with the friction of the ground") {
     CHECK(off(way(0.06_r) / way(0.6_r), 10) < 0.2);
 }
 
-TEST_CASE("a vehicle ends with its chassis or by command, and dead ids are refused") {
+TEST_CASE("a vehicle is destroyed with its chassis or by command and commands reject dead ids") {
     Rig rig = make_car();
     CHECK(rig.w.vehicle_count() == 1);
     CHECK(rig.w.create_vehicle(four_wheels(rig.chassis, {})).error().message.find("already has") !=
@@ -155,7 +155,7 @@ TEST_CASE("a vehicle ends with its chassis or by command, and dead ids are refus
     rig.run(10);
 }
 
-TEST_CASE("definitions out of range are refused with a sentence") {
+TEST_CASE("create_vehicle() rejects definitions out of range with a sentence") {
     Rig rig = make_car();
     done(rig.w.destroy(rig.id));
     const auto refused = [&](auto&& change, const char* part) {
@@ -174,7 +174,7 @@ TEST_CASE("definitions out of range are refused with a sentence") {
     CHECK_FALSE(refused([](VehicleDef&) {}, ""));
 }
 
-TEST_CASE("values at the ends of their ranges keep a vehicle finite") {
+TEST_CASE("a vehicle with values at the ends of their ranges keeps its speed in range") {
     for (int k = 0; k < 6; ++k) {
         Setting s;
         s.mass = k < 2 ? 0.01 : 1e6;

@@ -73,12 +73,12 @@ Landing land(double mass) {
 
 } // namespace
 
-TEST_CASE("a car's suspension gives by g / (2 pi f)^2") {
+TEST_CASE("a car's suspension is compressed by g / (2 pi f)^2 at rest") {
     for (double hertz : {1.2, 1.5, 2.0, 4.0}) CHECK(sag_error(hertz, hertz) < sag(hertz) * rounding);
     CHECK_FALSE(sag_error(1.5, 1.5005) < sag(1.5) * rounding); // planted: a spring 0.07 % off
 }
 
-TEST_CASE("wheels bear the weight above them, wherever the engine sits") {
+TEST_CASE("wheels bear the weight above them with the centre of mass away from the middle") {
     Rig rig = make_car({}, [](VehicleDef& def) {
         for (std::size_t i = 0; i < 2; ++i)
             def.wheel[i].attachment.z = 1_r; // moves the centre of mass towards the front
@@ -96,7 +96,7 @@ TEST_CASE("wheels bear the weight above them, wherever the engine sits") {
 /// Two steps of a velocity, 3.8e-6 m/s, for ten seconds, and a margin of that size.
 constexpr double creep_max = 8e-5;
 
-TEST_CASE("a parked car stays where it is: level, across and along a slope of 20 degrees") {
+TEST_CASE("a parked car does not creep on level ground or across or along a slope of 20 degrees") {
     CHECK(creep(0, false, {.gear = 0}) < creep_max);
     CHECK(creep(20, false, {.hand_brake = 1_r}) < creep_max);
     CHECK(creep(20, true, {.hand_brake = 1_r}) < creep_max);
@@ -106,7 +106,7 @@ TEST_CASE("a parked car stays where it is: level, across and along a slope of 20
     CHECK_FALSE(creep(20, false, {.gear = 0}) < creep_max); // planted: without a brake it rolls
 }
 
-TEST_CASE("a slope steeper than the grip is too steep for the brake") {
+TEST_CASE("a braked car slides down a slope that is steeper than its grip at the computed acceleration") {
     // The car slides backwards. The front wheels lock, at a grip of 0.9. The rear ones, onto which the brake's own
     // force presses the car, turn against 600 N m each. Rolling resistance, 0.01, is neglected: 2 % of the 0.3 g that
     // remain.
@@ -131,7 +131,7 @@ TEST_CASE("cars of 200 kg and 40 t land from 2 m and come to rest") {
     }
 }
 
-TEST_CASE("anti-roll bars take a roll by their stiffness") {
+TEST_CASE("anti-roll bars reduce the roll of a car by their stiffness") {
     const auto roll = [](double stiffness) {
         Setting s;
         const double tilt = 10 * pi_double / 180;

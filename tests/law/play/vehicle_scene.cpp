@@ -11,7 +11,7 @@
 
 using namespace lockstone;
 
-TEST_CASE("four cars and a tank drive about for twenty seconds" *
+TEST_CASE("four cars and a tank drive for twenty seconds and do not leave the world" *
           doctest::skip(lockstone::test::is_small_sample())) {
     const auto game = make_scene("cars", {.players = 4});
     REQUIRE(game.ok());

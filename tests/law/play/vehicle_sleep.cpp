@@ -26,7 +26,7 @@ bool parks(const VehicleInput& input, WheelCast cast = WheelCast::sphere) {
 
 } // namespace
 
-TEST_CASE("a parked car comes to rest and sleeps, whatever is pressed that does not drive it") {
+TEST_CASE("a parked car comes to rest and sleeps with any input that does not drive it") {
     CHECK(parks({}));
     CHECK(parks({.gear = 0}));
     CHECK(parks({.brake = 1_r}));
@@ -38,12 +38,12 @@ TEST_CASE("a parked car comes to rest and sleeps, whatever is pressed that does 
     }
 }
 
-TEST_CASE("planted fault: a car that is driven is found awake, in gear and out") {
+TEST_CASE("planted fault: a car with throttle stays awake in gear and in neutral") {
     CHECK_FALSE(parks({.throttle = 1_r}));
     CHECK_FALSE(parks({.throttle = 0.3_r, .gear = 0}));
 }
 
-TEST_CASE("it sleeps without moving, and where it would have stood awake") {
+TEST_CASE("a car sleeps without motion at the place where an awake car stays") {
     Rig rig = make_car(drowsy()), other = make_car();
     REQUIRE(ticks_to_sleep(rig, {}) < 600);
     CHECK(rig.w.awake_count() == 0);
@@ -54,8 +54,8 @@ TEST_CASE("it sleeps without moving, and where it would have stood awake") {
     CHECK(length(rig.at() - other.at()) < 0.002);
 }
 
-TEST_CASE(
-    "it wakes by an input, by a blow and by a wheel's ground that changes; not by the same input again") {
+TEST_CASE("a sleeping car wakes for a new input or a hit or changed ground under a wheel and not for the "
+          "same input") {
     for (int what = 0; what < 5; ++what) {
         Rig rig = make_car(drowsy());
         const BodyId plank = add(rig.w, {.kind = BodyKind::kinematic, .pose = at(0.75, -0.48, 1.4)},
@@ -75,7 +75,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("what rolls under a sleeping car's wheel lifts it") {
+TEST_CASE("a plate that slides under the wheel of a sleeping car lifts the car") {
     Rig rig = make_car(drowsy());
     REQUIRE(ticks_to_sleep(rig, {.hand_brake = 1_r}) < 600);
     const double before = rig.at()[1];
@@ -86,7 +86,7 @@ TEST_CASE("what rolls under a sleeping car's wheel lifts it") {
     CHECK(highest > before + 0.005);
 }
 
-TEST_CASE("a car and the raft it stands on sleep in the same tick and wake together") {
+TEST_CASE("a car and the raft under it sleep in the same tick and wake together") {
     WorldDef def = small_def();
     def.sleeping = 1;
     World w = made(World::create(def));

@@ -26,7 +26,7 @@ std::vector<std::byte> recorded(const Zoo& zoo) {
 
 } // namespace
 
-TEST_CASE("a recording of commands holds its assets and plays from the file alone") {
+TEST_CASE("a recording of commands contains its assets and plays from the file alone") {
     const Zoo zoo = make_zoo();
     const Recording recording = made(Recording::from_bytes(recorded(zoo), "zoo"));
     CHECK(recording.assets()->ids() == zoo.library->ids());
@@ -38,7 +38,7 @@ TEST_CASE("a recording of commands holds its assets and plays from the file alon
     CHECK(player.time() == 20);
 }
 
-TEST_CASE("a recording whose asset was damaged is refused, though nothing else was") {
+TEST_CASE("the reader rejects a recording with one damaged asset") {
     const Zoo zoo = make_zoo();
     std::vector<std::byte> bytes = recorded(zoo);
     const std::span<const std::byte> hull = zoo.library->bytes(zoo.hull);

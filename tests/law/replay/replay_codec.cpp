@@ -37,7 +37,7 @@ Bytes canonical(const Command& command) {
 
 } // namespace
 
-TEST_CASE("packed bytes unpack to what was packed, and are never much longer") {
+TEST_CASE("unpack() returns the packed bytes and pack() never makes them much longer") {
     SplitMix random(1);
     for (std::uint32_t i = 0; i < 3000; ++i) {
         const Bytes bytes = random_bytes(random, i < 700 ? i : random.below(5000));
@@ -51,7 +51,7 @@ TEST_CASE("packed bytes unpack to what was packed, and are never much longer") {
     }
 }
 
-TEST_CASE("any bytes unpack to the announced size or to an error") {
+TEST_CASE("unpack() of any bytes returns the announced size or an error") {
     SplitMix random(2);
     int unpacked = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -65,13 +65,13 @@ TEST_CASE("any bytes unpack to the announced size or to an error") {
     CHECK(unpacked > 100);
 }
 
-TEST_CASE("a long run of equal bytes packs to a sixty-fifth") {
+TEST_CASE("pack() shortens a long run of equal bytes to a sixty-fifth") {
     Bytes packed;
     pack(Bytes(130 * 100), packed);
     CHECK(packed.size() == 200);
 }
 
-TEST_CASE("planes turn back into their table, for every shape of table") {
+TEST_CASE("read_planes() restores the table from its planes for every shape of table") {
     SplitMix random(3);
     for (std::uint32_t row = 0; row < 20; ++row)
         for (std::uint32_t rows = 0; rows < 20; ++rows) {
@@ -83,7 +83,7 @@ TEST_CASE("planes turn back into their table, for every shape of table") {
         }
 }
 
-TEST_CASE("a block of inputs reads back as it was gathered, for every number of players and size of input") {
+TEST_CASE("a block of inputs reads back unchanged for every number of players and size of input") {
     SplitMix random(4);
     for (std::uint32_t players = 0; players <= players_max; ++players) {
         const BlockShape shape{Mode::inputs, players, random.below(input_bytes_max + 1)};
@@ -122,7 +122,7 @@ TEST_CASE("a block of inputs reads back as it was gathered, for every number of 
     }
 }
 
-TEST_CASE("a block of commands of every kind reads back in order, bit for bit") {
+TEST_CASE("a block of commands of every kind reads back in order and bit for bit") {
     SplitMix random(5);
     std::array<int, command_kinds> seen{};
     for (int i = 0; i < 200; ++i) {
@@ -152,7 +152,7 @@ TEST_CASE("a block of commands of every kind reads back in order, bit for bit") 
     for (const int count : seen) CHECK(count > 50);
 }
 
-TEST_CASE("headers, schemas and definitions read back equal") {
+TEST_CASE("headers and schemas and world definitions read back equal") {
     Header header;
     header.mode = Mode::inputs;
     header.engine = "1.2.3";
@@ -188,7 +188,7 @@ TEST_CASE("headers, schemas and definitions read back equal") {
     CHECK(first_difference(world.def(), other) != "");
 }
 
-TEST_CASE("headers beyond the limits are written by nobody") {
+TEST_CASE("the writer rejects headers beyond the limits and writes no byte") {
     const SmallGame game;
     const World world = must(game.start());
     const auto refuse = [&](auto&& change) {
@@ -217,8 +217,7 @@ TEST_CASE("headers beyond the limits are written by nobody") {
           }) == "cannot record: option keys are not ascending: a before a");
 }
 
-TEST_CASE(
-    "a recording reads back with every tick's inputs, hashes and keyframes, whatever the size of blocks") {
+TEST_CASE("a recording reads back with every tick's inputs and hashes and keyframes at any size of blocks") {
     const auto hashes = played_hashes(150);
     for (const std::uint32_t block_ticks : {1u, 2u, 7u, 64u, 1024u}) {
         for (const std::uint64_t keyframe_ticks : {0u, 1u, 10u, 64u, 150u}) {
@@ -239,7 +238,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the smallest and the largest block sizes that are allowed are enforced") {
+TEST_CASE("the writer enforces the smallest and the largest size of blocks") {
     CHECK_THROWS(record_inputs(1, {.block_ticks = 0}));
     CHECK_THROWS(record_inputs(1, {.block_ticks = 1025}));
     CHECK(must(read(record_inputs(3, {.block_ticks = 1024}))).tick_count() == 3);

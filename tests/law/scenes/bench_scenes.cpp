@@ -74,7 +74,7 @@ double largest_density_error(const engines::Scene& scene) {
 
 } // namespace
 
-TEST_CASE("a scene of the benchmark has the bodies and joints that its tables say") {
+TEST_CASE("every benchmark scene has the bodies and joints of its table") {
     for (const Count& count : counts) {
         CAPTURE(count.name);
         const BenchScene made = make_bench_scene(count.name);
@@ -91,14 +91,14 @@ TEST_CASE("a scene of the benchmark has the bodies and joints that its tables sa
     CHECK(scene_names().size() == std::size(counts));
 }
 
-TEST_CASE("bodies of the benchmark have 1000 kg a cubic metre, ragdolls the masses of limbs") {
+TEST_CASE("bodies of the benchmark have a density of 1000 kg per cubic metre") {
     for (const char* name : {"S1", "S2", "S3", "S5", "S6", "pyramids", "drum"}) {
         CAPTURE(name);
         CHECK(largest_density_error(make_bench_scene(name).scene) < 1e-6);
     }
 }
 
-TEST_CASE("each row of the benchmark has a bound of its instructions and of Bullet's time") {
+TEST_CASE("each row of the benchmark has a bound for its instructions and for its ratio to Bullet's time") {
     for (const Maker& row : rows::makers()) {
         CAPTURE(row.name);
         const Target target = make_bench_scene(row.name).target;
@@ -110,7 +110,7 @@ TEST_CASE("each row of the benchmark has a bound of its instructions and of Bull
     }
 }
 
-TEST_CASE("the ragdolls of the benchmark are those of make_ragdoll") {
+TEST_CASE("the ragdolls of the benchmark have the bodies and joints of make_ragdoll()") {
     const engines::Scene scene = make_bench_scene("ragdolls-50", Size::quick).scene;
     const auto engine = engines::make_lockstone({}, scene);
     const lockstone::World& world = engines::world_of(*engine);
@@ -124,7 +124,7 @@ TEST_CASE("the ragdolls of the benchmark are those of make_ragdoll") {
     for (const engines::Joint& joint : scene.joints) CHECK(engines::gap(scene, *engine, joint) < 1e-6);
 }
 
-TEST_CASE("hulls of the benchmark have 12 to 24 corners, all of them on the hull") {
+TEST_CASE("hulls of the benchmark have 12 to 24 corners and all corners lie on the hull") {
     for (const engines::Body& body : make_bench_scene("S3").scene.bodies) {
         if (body.mass == 0) continue;
         const std::size_t corners = body.shape.points.size();
@@ -134,7 +134,8 @@ TEST_CASE("hulls of the benchmark have 12 to 24 corners, all of them on the hull
     }
 }
 
-TEST_CASE("a quick scene of the benchmark has as many kinds of things as the real one") {
+TEST_CASE("a quick benchmark scene is no larger than the full scene and has joints exactly if the full scene "
+          "has them") {
     for (const std::string& name : scene_names()) {
         CAPTURE(name);
         const BenchScene full = make_bench_scene(name), quick = make_bench_scene(name, Size::quick);

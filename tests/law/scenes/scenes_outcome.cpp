@@ -30,7 +30,7 @@ TEST_CASE("a pile stays in its pit and above its floor") {
     CHECK(world.faults() == Faults{});
 }
 
-TEST_CASE("the last domino falls") {
+TEST_CASE("all dominoes fall to the last one") {
     const World world = run(*make_scene("domino", {.size = 60}).value(), 900);
     int dominoes = 0;
     for (const BodyId body : world.bodies()) {
@@ -43,7 +43,7 @@ TEST_CASE("the last domino falls") {
     CHECK(dominoes == 60);
 }
 
-TEST_CASE("the arena's players play: props change hands and nobody leaves") {
+TEST_CASE("the arena's players change the owners of props and no body falls out of the arena") {
     const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 4}).value();
     const World world = run(*game, 600);
     const std::string dump = world.state().dump();

@@ -103,13 +103,13 @@ std::string presence_fault(const Played& p, ArenaInput input, std::uint64_t tick
 
 } // namespace
 
-TEST_CASE("every player of every scene goes where the stick points" *
+TEST_CASE("every player of every scene moves in the direction of its stick" *
           doctest::skip(lockstone::test::is_small_sample())) {
     for (const Played& p : played)
         for (const std::uint32_t players : {1u, 2u, 4u}) CHECK(drive_fault(*game_of(p, players)) == "");
 }
 
-TEST_CASE("planted fault: a stick that does not arrive is found in every scene" *
+TEST_CASE("planted fault: the check reports inputs that do not arrive in every scene" *
           doctest::skip(lockstone::test::is_small_sample())) {
     for (const Played& p : played) {
         const auto game = game_of(p, 1);
@@ -117,15 +117,14 @@ TEST_CASE("planted fault: a stick that does not arrive is found in every scene" 
     }
 }
 
-TEST_CASE("a player who does nothing changes nothing but that he is there" *
-          doctest::skip(test::is_too_long_here())) {
+TEST_CASE("an idle player changes no other body of its scene" * doctest::skip(test::is_too_long_here())) {
     CHECK(presence_fault({"ragdolls", 4}, {}, 60) == ""); // later the ragdolls touch the player
     CHECK(presence_fault({"joint-grid", 0}, {}, 200) == "");
     CHECK(presence_fault({"bridge", 24}, {}, 200) == "");
     CHECK(presence_fault({"wrecking-ball", 12}, {}, 200) == "");
 }
 
-TEST_CASE("planted fault: a player who does something is found by what it does to others" *
+TEST_CASE("planted fault: the check reports the changes that an active player makes to other bodies" *
           doctest::skip(lockstone::test::is_small_sample())) {
     const ArenaInput push{.move_x = 0, .move_z = -127, .buttons = arena_push};
     CHECK(presence_fault({"ragdolls", 4}, push, 120) != "");
@@ -134,7 +133,7 @@ TEST_CASE("planted fault: a player who does something is found by what it does t
     CHECK(presence_fault({"wrecking-ball", 12}, away, 10) != "");
 }
 
-TEST_CASE("scenes without players have no inputs, and no room for them") {
+TEST_CASE("scenes without players have no inputs and no column for players") {
     for (const char* scene : {"ragdolls", "joint-grid", "bridge", "wrecking-ball"}) {
         CAPTURE(scene);
         const auto game = make_scene(scene).value();
@@ -145,7 +144,7 @@ TEST_CASE("scenes without players have no inputs, and no room for them") {
     }
 }
 
-TEST_CASE("every player of a scene has words for what he can do, nobody else has") {
+TEST_CASE("controls_of() describes the controls of every player of a scene and of no other number") {
     for (const SceneInfo& info : scenes()) {
         CAPTURE(info.name);
         const auto game = make_scene(info.name, {.players = info.players_max}).value();
@@ -157,7 +156,7 @@ TEST_CASE("every player of a scene has words for what he can do, nobody else has
     }
 }
 
-TEST_CASE("who falls off the bridge or over the stairs starts again, once" *
+TEST_CASE("a player that falls off the bridge or over the stairs restarts once at its start" *
           doctest::skip(lockstone::test::is_small_sample())) {
     for (const Played& p : {Played{"bridge", 24}, Played{"ragdolls", 1}}) {
         CAPTURE(p.scene);
@@ -177,7 +176,7 @@ TEST_CASE("who falls off the bridge or over the stairs starts again, once" *
     }
 }
 
-TEST_CASE("a ball jumps off what it lies on, and not off the air") {
+TEST_CASE("a ball jumps off the body that it lies on and does not jump in the air") {
     const auto game = game_of({"bridge", 24}, 1);
     World world = game->start().value();
     const Real start = place_of_player(world, 0).y;
@@ -190,7 +189,7 @@ TEST_CASE("a ball jumps off what it lies on, and not off the air") {
     CHECK(highest - start < 2_r);
 }
 
-TEST_CASE("the wrecking ball swings into its wall, and its player builds the wall anew" *
+TEST_CASE("the wrecking ball hits its wall and the player's push button rebuilds the wall" *
           doctest::skip(lockstone::test::is_small_sample())) {
     const auto game = game_of({"wrecking-ball", 20}, 1);
     World world = game->start().value();
@@ -202,7 +201,7 @@ TEST_CASE("the wrecking ball swings into its wall, and its player builds the wal
     CHECK(length(top() - built) < 0.1_r);
 }
 
-TEST_CASE("the wrecking ball comes to hang when it is slowed down, and is swung aside as far as it may" *
+TEST_CASE("the wrecking ball comes to rest when it is slowed and swings sideways up to its limit" *
           doctest::skip(test::is_too_long_here())) {
     const auto game = game_of({"wrecking-ball", 20}, 1);
     World world = game->start().value();

@@ -19,7 +19,7 @@ std::uint64_t hash_after(const Game& game, std::uint64_t ticks, std::uint64_t se
 
 } // namespace
 
-TEST_CASE("every scene starts, and starts the same") {
+TEST_CASE("every scene starts with the same state each time") {
     for (const SceneInfo& info : scenes()) {
         CAPTURE(info.name);
         const auto game = make_scene(info.name);
@@ -29,7 +29,7 @@ TEST_CASE("every scene starts, and starts the same") {
     }
 }
 
-TEST_CASE("every body of every scene has a key of its own") {
+TEST_CASE("every body of every scene has a unique key") {
     for (const SceneInfo& info : scenes()) {
         CAPTURE(info.name);
         for (const std::uint32_t players : {0u, info.players_max}) {
@@ -41,7 +41,7 @@ TEST_CASE("every body of every scene has a key of its own") {
     }
 }
 
-TEST_CASE("a game's name makes the same game again") {
+TEST_CASE("make_scene_named() with a game's name makes an equal game") {
     const auto game = make_scene("rollback-arena", {.size = 0, .seed = 77, .players = 3}).value();
     const auto again = make_scene_named(game->name());
     REQUIRE(again.ok());
@@ -56,7 +56,7 @@ TEST_CASE("options change the content id") {
     CHECK(id({}) == id({.size = 1000}));
 }
 
-TEST_CASE("scripted inputs depend on seed, tick and player alone, and matter") {
+TEST_CASE("scripted inputs depend only on seed and tick and player and change the outcome") {
     const auto game = make_scene("rollback-arena").value();
     std::array<std::byte, 3> a{}, b{}, other_seed{}, other_player{};
     scripted_input(*game, 5, 123, 1, a);
@@ -70,13 +70,13 @@ TEST_CASE("scripted inputs depend on seed, tick and player alone, and matter") {
     CHECK(hash_after(*game, 30, 5) != hash_after(*game, 30, 6));
 }
 
-TEST_CASE("the arena has 72 bodies whoever plays") {
+TEST_CASE("the arena has 72 bodies for any number of players") {
     for (const std::uint32_t players : {2u, 3u, 4u})
         CHECK(started(*make_scene("rollback-arena", {.size = 0, .seed = 1, .players = players}).value())
                   .body_count() == 72);
 }
 
-TEST_CASE("a scene that is not there is answered with the ones that are") {
+TEST_CASE("the error for an unknown scene lists the scenes and suggests a similar name") {
     const auto near = make_scene("pyramyd");
     REQUIRE_FALSE(near.ok());
     CHECK(near.error().message.find("did you mean 'pyramid'?") != std::string::npos);
@@ -86,7 +86,7 @@ TEST_CASE("a scene that is not there is answered with the ones that are") {
     CHECK(far.error().message.find("did you mean") == std::string::npos);
 }
 
-TEST_CASE("options out of range are named with their range") {
+TEST_CASE("the error for an option out of range names the option and its range") {
     CHECK(make_scene("pyramid", {.size = 1000}).error().message ==
           "pyramid: size is 1000, it must be 1 to 100");
     CHECK(make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 9}).error().message ==

@@ -46,7 +46,7 @@ std::uint64_t tick_of(const std::vector<Hit>& hits, const std::string& who, std:
 
 } // namespace
 
-TEST_CASE("two blocks fall, meet above the ground, bounce apart, land again and settle") {
+TEST_CASE("two blocks fall and meet above the ground and bounce apart and land again and settle") {
     const auto game = std::move(make_scene("two-blocks")).value();
     World world = game->start().value();
     const std::vector<Hit> hits = hits_of(*game, world, 600);

@@ -110,7 +110,7 @@ const Geometry primitives[] = {sphere(0.7_r),
 
 } // namespace
 
-TEST_CASE("an id is the content's, and adding twice is adding once") {
+TEST_CASE("the library derives an asset's id from its bytes and stores an equal asset only once") {
     AssetLibrary library;
     const AssetBytes bytes = fuzz::sample_hull(true);
     const AssetId id = library.add(std::span<const std::byte>(bytes)).value();
@@ -129,8 +129,7 @@ TEST_CASE("an id is the content's, and adding twice is adding once") {
     CHECK(moved.find(id)->hull->faces.size() == 6);
 }
 
-TEST_CASE(
-    "a library takes a set as its assets one by one, and a set that is wrong in its last asset adds none") {
+TEST_CASE("the library adds each asset of a set but adds none if the last asset of the set is invalid") {
     const AssetBytes hull = fuzz::sample_hull(true), other = fuzz::sample_hull(false);
     const CompoundPart parts[] = {{instance(ShapeKind::hull, shapes::id_of(hull)), Transform::identity()},
                                   {instance(ShapeKind::hull, shapes::id_of(other)), Transform::identity()}};
@@ -165,7 +164,7 @@ TEST_CASE(
     CHECK(none.ids().size() == 1);
 }
 
-TEST_CASE("baking, loading and baking again give the same bytes") {
+TEST_CASE("a baked asset that is loaded and baked again has the same bytes") {
     const auto library = library_of_samples();
     for (AssetId id : library->ids()) CHECK(rebuilt(*library->find(id)) == library->find(id)->bytes);
     std::set<AssetId> ids;
@@ -173,7 +172,7 @@ TEST_CASE("baking, loading and baking again give the same bytes") {
     CHECK(ids.size() == fuzz::samples().size());
 }
 
-TEST_CASE("the format has not changed: the samples' ids") {
+TEST_CASE("the asset format has not changed: the samples have their stored ids") {
     const std::map<std::string, std::uint64_t> expected = {
         {"hull cube", 0xc035e7a9679def7bu},    {"hull of five", 0x6d989a80f55c4e44u},
         {"mesh", 0x8a0210d54510191fu},         {"large mesh", 0x68032c86130df444u},
@@ -185,7 +184,7 @@ TEST_CASE("the format has not changed: the samples' ids") {
     CHECK(shapes::id_of(cube.bytes).value != expected.at(mesh.name));
 }
 
-TEST_CASE("a solid has its asset at its scale, or an error that names the asset") {
+TEST_CASE("SolidCache resolves a shape to its asset at its scale or returns an error that names the asset") {
     const auto library = library_of_samples();
     SolidCache cache(library);
     const AssetId hull = shapes::id_of(fuzz::sample_hull(true)),
@@ -222,7 +221,7 @@ TEST_CASE("a solid has its asset at its scale, or an error that names the asset"
     CHECK(extent_of(scaled).upper.z == extent_of(plain).upper.z * 4);
 }
 
-TEST_CASE("drawings are closed, and have the mass that the shapes have" *
+TEST_CASE("the drawing of each primitive is closed and has the mass of its shape" *
           doctest::skip(lockstone::test::is_small_sample())) {
     const AssetLibrary library;
     SolidCache cache(nullptr);
@@ -248,7 +247,8 @@ TEST_CASE("drawings are closed, and have the mass that the shapes have" *
         }
 }
 
-TEST_CASE("a rounding that vanishes leaves the closed form") {
+TEST_CASE(
+    "a shape with a rounding radius of one step has the closed-form mass and gyration of the sharp shape") {
     for (const Geometry& g : {box(0.2_r, 0.5_r, 0.9_r), cylinder(0.6_r, 0.4_r), cone(0.6_r, 0.9_r)}) {
         Geometry hair = g;
         hair.radius = Length::step();
@@ -263,8 +263,7 @@ TEST_CASE("a rounding that vanishes leaves the closed form") {
     }
 }
 
-TEST_CASE(
-    "a rounded box as a hull has the same mass to a thousandth of its volume, and a ball is near its own") {
+TEST_CASE("a rounded hull of a box has the mass of the rounded box and a gyration within 2 % of it") {
     const auto library = std::make_shared<AssetLibrary>();
     std::vector<LengthVec3> points;
     for (int i = 0; i < 8; ++i)
@@ -286,7 +285,8 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("drawings of meshes, height fields, hulls and compounds") {
+TEST_CASE(
+    "triangulate() draws meshes and height fields by their triangles and draws hulls and compounds closed") {
     const auto library = library_of_samples();
     const auto drawn = [&](ShapeKind kind) {
         return triangulate(library->geometry(id_of_kind(*library, kind)).value(), *library);
@@ -301,7 +301,7 @@ TEST_CASE("drawings of meshes, height fields, hulls and compounds") {
     CHECK(triangulate(plane(), *library).triangles.empty());
 }
 
-TEST_CASE("a compound has the mass of its parts, and its tree finds each of them") {
+TEST_CASE("a compound has the mass of its parts and its tree finds each part") {
     oracle::RandomReal random(23);
     std::vector<CompoundPart> parts;
     std::vector<MassPart> masses;

@@ -37,7 +37,7 @@ TEST_CASE("the hull of a box's corners and inner points is the box") {
     CHECK(hull->beyond({0, 8, 0}) == test::about(3));
 }
 
-TEST_CASE("points in a plane, on a line or too few have no hull, and the sentence says so") {
+TEST_CASE("convex_hull() returns an error for points in one plane or on one line and for too few points") {
     const std::vector<Point> square{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}};
     REQUIRE_FALSE(convex_hull(square).ok());
     CHECK(convex_hull(square).error().message.find("plane") != std::string::npos);
@@ -46,7 +46,7 @@ TEST_CASE("points in a plane, on a line or too few have no hull, and the sentenc
     CHECK_FALSE(convex_hull(std::vector<Point>(3)).ok());
 }
 
-TEST_CASE("a reduced hull keeps to its number of corners, lies inside, and is nearer the more it may have") {
+TEST_CASE("a reduced hull keeps its corner limit and lies inside the hull and is closer with more corners") {
     const Result<Convex> ball_hull = convex_hull(ball(1, 600));
     REQUIRE(ball_hull.ok());
     CHECK(ball_hull->surface.vertices.size() == 600);
@@ -64,7 +64,7 @@ TEST_CASE("a reduced hull keeps to its number of corners, lies inside, and is ne
     CHECK(before < 0.02); // a ball of 255 caps
 }
 
-TEST_CASE("the distance to a hull is that of its faces, edges and corners, and libccd agrees") {
+TEST_CASE("the distance to a hull is that to its nearest face or edge or corner and libccd agrees") {
     const Result<Convex> cube = convex_hull(box({-1, -1, -1}, {1, 1, 1}).vertices);
     REQUIRE(cube.ok());
     for (const auto& [p, expected] : {std::pair<Point, double>{{3, 0.2, 0.1}, 2},
@@ -77,7 +77,8 @@ TEST_CASE("the distance to a hull is that of its faces, edges and corners, and l
     }
 }
 
-TEST_CASE("what is convex stays one part; an L becomes two, a hollow box its six walls, without an error") {
+TEST_CASE(
+    "decompose() keeps a convex solid as one part and splits an L into two and a hollow box into six walls") {
     const auto cube = parts_of(box({0, 0, 0}, {1, 2, 3}), 0.01, 16);
     REQUIRE(cube.ok());
     CHECK(cube->size() == 1);
@@ -91,7 +92,7 @@ TEST_CASE("what is convex stays one part; an L becomes two, a hollow box its six
     CHECK(volume_of(*walls) == test::about(64 - 8));
 }
 
-TEST_CASE("solids apart from each other become parts apart") {
+TEST_CASE("decompose() puts separate solids into separate parts") {
     Soup two = box({0, 0, 0}, {1, 1, 1});
     two.append(box({3, 0, 0}, {4, 1, 1}));
     const auto parts = parts_of(two, 0.01, 16);
@@ -100,8 +101,9 @@ TEST_CASE("solids apart from each other become parts apart") {
     CHECK(volume_of(*parts) == test::about(2));
 }
 
-TEST_CASE("parts cover the solid, keep to their number, and exceed it less the more they are" *
-          doctest::skip(test::is_too_long_here())) {
+TEST_CASE(
+    "convex parts cover the solid and keep their number limit and exceed the solid less if there are more" *
+    doctest::skip(test::is_too_long_here())) {
     const Soup ring = compacted(welded(torus(1, 0.3, 24, 8)));
     const Surface surface(ring);
     double before = 1e300;
@@ -119,7 +121,7 @@ TEST_CASE("parts cover the solid, keep to their number, and exceed it less the m
     }
 }
 
-TEST_CASE("a surface knows inside from outside, though triangles be missing") {
+TEST_CASE("a surface with missing triangles still separates inside from outside") {
     Soup soup = hollow_box();
     soup.triangles.erase(soup.triangles.begin()); // removes half of one outer side
     const Surface surface(soup);

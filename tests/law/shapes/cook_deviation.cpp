@@ -19,7 +19,7 @@ Convex hull_of(const Soup& soup) { return convex_hull(soup.vertices).value(); }
 
 } // namespace
 
-TEST_CASE("a hull deviates from itself by nothing, and by what a corner was moved") {
+TEST_CASE("the deviation of a hull from itself is zero or the distance by which a corner was moved") {
     const Soup cube = box({-1, -1, -1}, {1, 1, 1});
     const Result<Deviation> same = deviation_of_hulls(hull_of(cube), hull_of(cube));
     REQUIRE(same.ok());
@@ -35,7 +35,7 @@ TEST_CASE("a hull deviates from itself by nothing, and by what a corner was move
     CHECK(in->source_to_result > 0.005);
 }
 
-TEST_CASE("parts deviate from their solid by nothing, and by what a corner was moved") {
+TEST_CASE("the deviation of parts from their solid is zero or the distance by which a corner was moved") {
     const Soup el = bracket();
     const Surface surface(el);
     std::vector<Convex> parts{hull_of(box({0, 0, 0}, {2, 1, 1})), hull_of(box({0, 1, 0}, {1, 3, 1}))};
@@ -52,7 +52,8 @@ TEST_CASE("parts deviate from their solid by nothing, and by what a corner was m
     CHECK(deviation_of_solids(el, surface, {hull_of(el)}).value().result_to_source > 0.4);
 }
 
-TEST_CASE("a surface deviates from itself by nothing, and by what one of its vertices was moved") {
+TEST_CASE("the deviation of a surface from itself is zero and grows when a vertex is moved or triangles are "
+          "removed") {
     const Soup ground = hill(20);
     const Surface surface(ground);
     CHECK(deviation_of_surfaces(ground, surface, ground).value().largest() < 1e-12);
@@ -66,7 +67,7 @@ TEST_CASE("a surface deviates from itself by nothing, and by what one of its ver
     CHECK(deviation_of_surfaces(ground, surface, holed).value().source_to_result > 0.1);
 }
 
-TEST_CASE("a cooked hull is the model's hull to a rounding, its gap tells of concavity") {
+TEST_CASE("a cooked hull equals the model's hull up to rounding and its gap measures concavity") {
     const Result<Cooked> cube = cook::cook(box({-1, -2, -3}, {1, 2, 3}), {});
     REQUIRE(cube.ok());
     CHECK(cube->kind == ShapeKind::hull);
@@ -79,7 +80,7 @@ TEST_CASE("a cooked hull is the model's hull to a rounding, its gap tells of con
     CHECK(el->gap > 0.3);
 }
 
-TEST_CASE("a cooked compound follows the model where its hull does not") {
+TEST_CASE("a cooked compound matches a concave model that its hull does not match") {
     const Result<Cooked> el = cook::cook(bracket(), {.as = Wanted::convex});
     REQUIRE(el.ok());
     CHECK(el->kind == ShapeKind::compound);
@@ -93,7 +94,7 @@ TEST_CASE("a cooked compound follows the model where its hull does not") {
     CHECK(library.geometry(*id)->kind == ShapeKind::compound);
 }
 
-TEST_CASE("a cooked mesh is the model to a rounding; so is a height field whose samples are its vertices") {
+TEST_CASE("a cooked mesh and a height field with samples at the vertices equal the model up to rounding") {
     const Soup ground = hill(16);
     const Result<Cooked> mesh = cook::cook(ground, {.as = Wanted::mesh});
     REQUIRE(mesh.ok());
@@ -113,7 +114,7 @@ TEST_CASE("a cooked mesh is the model to a rounding; so is a height field whose 
     CHECK(by_itself->good());
 }
 
-TEST_CASE("scale, and an axis that points up, are applied before anything else") {
+TEST_CASE("cook() applies the scale and the up axis before all other steps") {
     const Result<Cooked> big = cook::cook(box({0, 0, 0}, {100, 200, 300}), {.scale = 0.01, .z_up = true});
     REQUIRE(big.ok());
     AssetLibrary library;
@@ -125,7 +126,7 @@ TEST_CASE("scale, and an axis that points up, are applied before anything else")
     CHECK(box.lower.z == test::about(-2));
 }
 
-TEST_CASE("models that no asset can hold are refused with the reason") {
+TEST_CASE("cook() rejects a model that no asset can hold and its error names the reason") {
     const auto refused = [](const Soup& model, const CookOptions& options, const char* words) {
         const Result<Cooked> made = cook::cook(model, options);
         REQUIRE_FALSE(made.ok());
@@ -146,7 +147,7 @@ TEST_CASE("models that no asset can hold are refused with the reason") {
     refused(bad, {}, "vertex 2 is not a finite point");
 }
 
-TEST_CASE("a set of assets with any byte changed is refused") {
+TEST_CASE("a library rejects an asset set in which any byte is changed or the end is missing") {
     const Result<Cooked> made = cook::cook(bracket(), {.as = Wanted::convex});
     REQUIRE(made.ok());
     const AssetBytes good = encode_assets(made->assets);

@@ -52,7 +52,7 @@ Result<Soup> read_strips(const std::string& file) {
 
 } // namespace
 
-TEST_CASE("a closed surface is sound, and not when it is open, inside out or of triangles that disagree") {
+TEST_CASE("a closed surface is sound but an open or inside-out surface or one with disputed edges is not") {
     const Soup slab = box({0, 0, 0}, {1, 2, 3});
     CHECK(soundness_of(slab).sound());
     CHECK(soundness_of(slab).volume == test::about(6));
@@ -67,7 +67,7 @@ TEST_CASE("a closed surface is sound, and not when it is open, inside out or of 
     CHECK(soundness_of(disputed).closed());
 }
 
-TEST_CASE("what overlaps is inside of both solids, and one part each") {
+TEST_CASE("a point in the overlap of two solids is inside and each solid becomes one part") {
     Soup two = box({0, 0, 0}, {2, 1, 1});
     two.append(box({1, -1, 0}, {1.5, 2, 1}));
     CHECK(components_of(two).size() == 2);
@@ -80,7 +80,7 @@ TEST_CASE("what overlaps is inside of both solids, and one part each") {
     CHECK(made->deviation < 1e-7);
 }
 
-TEST_CASE("a coarse soup has no more triangles than asked for, near those that were") {
+TEST_CASE("coarsened() keeps the triangle limit and its vertices lie on the original triangles") {
     const Soup ring = compacted(welded(torus(1, 0.3, 120, 40)));
     const Soup few = coarsened(ring, 2'000);
     CHECK(few.triangles.size() <= 2'000);
@@ -90,7 +90,7 @@ TEST_CASE("a coarse soup has no more triangles than asked for, near those that w
     CHECK(coarsened(ring, 9'600).triangles == ring.triangles);
 }
 
-TEST_CASE("a slab that is inside out is named, and --flip mends it") {
+TEST_CASE("a note reports a slab that is inside out and --flip corrects it") {
     const Soup slab = box({0, 0, 0}, {1, 0.2, 1});
     CHECK(notes_of(slab, {.as = Wanted::mesh}).empty());
     CHECK(holds(notes_of(turned_inside_out(slab), {.as = Wanted::mesh}), "(--flip"));
@@ -101,12 +101,12 @@ TEST_CASE("a slab that is inside out is named, and --flip mends it") {
     CHECK(holds(notes_of(disputed, {.as = Wanted::mesh}), "(--two-sided"));
 }
 
-TEST_CASE("a hull that is lighter than bodies can be is named") {
+TEST_CASE("a note reports a hull that is lighter than a body may be") {
     CHECK(holds(notes_of(box({0, 0, 0}, {0.006, 0.006, 0.006}), {}), "0.22 g"));
     CHECK(notes_of(box({0, 0, 0}, {0.011, 0.011, 0.011}), {}).empty());
 }
 
-TEST_CASE("a ball takes the corners that it needs, and as many as it is given") {
+TEST_CASE("a cooked ball has as many corners as its deviation requires or as corners_max allows") {
     Soup soup;
     soup.vertices = ball(1, 200);
     soup.triangles = convex_hull(soup.vertices)->surface.triangles;
@@ -125,7 +125,7 @@ TEST_CASE("a ball takes the corners that it needs, and as many as it is given") 
     CHECK(parts->deviation <= parts->deviation_aimed);
 }
 
-TEST_CASE("a model of any number of triangles becomes parts within ten seconds of a processor" *
+TEST_CASE("cook() splits a model of 60000 triangles into convex parts within ten seconds of processor time" *
           doctest::skip(test::is_too_long_here())) {
     const std::clock_t begun = std::clock();
     const Result<Cooked> made =
@@ -136,7 +136,7 @@ TEST_CASE("a model of any number of triangles becomes parts within ten seconds o
     CHECK(made->good());
 }
 
-TEST_CASE("the search for what lies between finds a slot that is narrower than samples lie apart") {
+TEST_CASE("the search for excess space finds a slot that is narrower than the distance between samples") {
     Soup soup = box({-1, -1, -1}, {1, 0, 1});
     soup.append(box({-1, 0.05, -1}, {1, 1, 1}));
     const Result<Convex> hull = convex_hull(soup.vertices);
@@ -146,7 +146,7 @@ TEST_CASE("the search for what lies between finds a slot that is narrower than s
     CHECK(found <= 0.025);
 }
 
-TEST_CASE("refusals name the flag that helps") {
+TEST_CASE("the error of cook() names the command-line flag that helps") {
     const auto refusal = [](const Soup& model, const CookOptions& options) {
         const Result<Cooked> made = cook::cook(model, options);
         return made ? "made" : made.error().message;
@@ -160,7 +160,7 @@ TEST_CASE("refusals name the flag that helps") {
     CHECK(holds(refusal(box({0, 0, 0}, {9000, 1, 1}), {.as = Wanted::mesh}), "--scale"));
 }
 
-TEST_CASE("triangle strips with restarts become all of their triangles") {
+TEST_CASE("the PLY reader reads all triangles of strips with restarts") {
     const Result<Soup> soup = read_strips(strip_file("9 0 1 2 3 -1 2 3 4 -1"));
     REQUIRE(soup.ok());
     CHECK(soup->vertices.size() == 5);
@@ -173,7 +173,7 @@ TEST_CASE("triangle strips with restarts become all of their triangles") {
     CHECK_FALSE(read_ply_strips(faces).has_value());
 }
 
-TEST_CASE("triangle strips in bytes of either order are read alike") {
+TEST_CASE("the PLY reader reads triangle strips in either byte order") {
     const std::string head =
         "element vertex 3\nproperty float x\nproperty float y\nproperty double z\nelement tristrips 1\n"
         "property list uchar short vertex_indices\nend_header\n";
@@ -201,7 +201,7 @@ TEST_CASE("triangle strips in bytes of either order are read alike") {
     }
 }
 
-TEST_CASE("a comment among the faces of an OFF file is no face") {
+TEST_CASE("the OFF reader skips comments between faces") {
     const std::string file = "# by a tool\nOFF\n4 4 0\n# corners\n\n0 0 0 # origin\n1 0 0\n0 1 0\n0 0 1\n# 4 "
                              "facets\n# -----\n\n3 0 2 1\n3 0 1 3\n"
                              "3 0 3 2\n\n3 1 2 3\n# End of OFF\n";

@@ -20,13 +20,13 @@ TEST_CASE("shapes are built at compile time from exact sizes") {
     CHECK(ball != pill);
 }
 
-TEST_CASE("good shapes pass") {
+TEST_CASE("validate() accepts shapes within their ranges") {
     for (const Geometry& g : {sphere(0.0025_r), sphere(100_r), capsule(0.01_r, 0_r), capsule(50_r, 50_r),
                               box(100_r, 0.0025_r, 1_r), plane()})
         CHECK(validate(g) == "");
 }
 
-TEST_CASE("bad shapes are refused with the field, its value and its range") {
+TEST_CASE("validate() rejects a bad shape and reports the field with its value and range") {
     CHECK(validate(sphere(0.001_r)) == "sphere radius is 0.001 m, it must be in 0.0025 m .. 100 m");
     CHECK(mentions(validate(sphere(-1_r)), "sphere radius is -1 m"));
     CHECK(mentions(validate(sphere(1'000'000_r)), "sphere radius is 128 m"));
@@ -39,7 +39,8 @@ TEST_CASE("bad shapes are refused with the field, its value and its range") {
     CHECK(mentions(validate(odd), "shape kind is 17, it must be in 0 .. 9"));
 }
 
-TEST_CASE("cylinders, cones and rounded shapes within their ranges pass, others are told why not") {
+TEST_CASE("validate() accepts cylinders and cones and rounded shapes within their ranges and reports why "
+          "others fail") {
     for (const Geometry& g :
          {cylinder(0.0025_r, 100_r), cone(100_r, 0.0025_r), rounded(cylinder(1_r, 1_r), 99_r),
           rounded(cone(1_r, 2_r), 0.5_r), rounded(box(1_r, 2_r, 3_r), 97_r)})
@@ -53,7 +54,7 @@ TEST_CASE("cylinders, cones and rounded shapes within their ranges pass, others 
     CHECK(validate(oval) == "cylinder half_extent.x is 1 m and half_extent.z is 2 m, they must be equal");
 }
 
-TEST_CASE("scales and assets belong to some kinds only") {
+TEST_CASE("validate() accepts scales and assets only for the kinds that may have them") {
     for (const Real factor : {1_r, 2_r, 4_r, 8_r}) CHECK(validate(scaled(box(1_r, 1_r, 1_r), factor)) == "");
     for (const Real factor : {0_r, 3_r, 16_r, 0.5_r})
         CHECK(mentions(validate(scaled(sphere(1_r), factor)), "it must be 1, 2, 4 or 8 on all axes"));
@@ -76,7 +77,7 @@ TEST_CASE("scales and assets belong to some kinds only") {
     CHECK(std::string(name_of(static_cast<ShapeKind>(10))) == "unknown");
 }
 
-TEST_CASE("a scale of 2, 4 or 8 multiplies the mass by its cube and the gyration by its square") {
+TEST_CASE("a scale of 2 or 4 or 8 multiplies the mass by its cube and the gyration by its square") {
     for (const Geometry& g : {sphere(1_r), capsule(0.5_r, 1_r), cylinder(1_r, 0.5_r), cone(1_r, 2_r),
                               rounded(box(1_r, 2_r, 3_r), 0.5_r)})
         for (const int factor : {2, 4, 8}) {

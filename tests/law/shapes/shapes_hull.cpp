@@ -149,7 +149,7 @@ Points rotated_box(oracle::RandomReal& random, double size) {
 
 } // namespace
 
-TEST_CASE("a cube has 8 corners, 6 faces, 12 edges, 12 triangles") {
+TEST_CASE("a cube has 8 corners and 6 faces and 12 edges and 12 triangles") {
     Points points = box_corners(1, 2, 3);
     // Repeated corners and points on edges, on faces and inside change nothing.
     for (const LengthVec3& p : box_corners(1, 2, 3)) points.push_back(p);
@@ -193,7 +193,7 @@ TEST_CASE("an icosahedron has 12 corners and 20 faces") {
     CHECK(h.edges.size() == 30);
 }
 
-TEST_CASE("255 points on a sphere are all corners, 256 are too many") {
+TEST_CASE("make_hull() keeps 255 points on a sphere as corners and rejects 256") {
     const Points points = on_sphere(255, 2);
     const Hull h = hull_of(points);
     require_good(h, points);
@@ -217,7 +217,7 @@ TEST_CASE("a rotated and quantised box keeps its 6 faces") {
     }
 }
 
-TEST_CASE("the order of the points does not matter") {
+TEST_CASE("a baked hull does not depend on the order of its points") {
     oracle::RandomReal random(7);
     Points points = on_sphere(60, 1);
     for (const LengthVec3& p : box_corners(0.6, 0.6, 0.6)) points.push_back(p);
@@ -231,7 +231,7 @@ TEST_CASE("the order of the points does not matter") {
     CHECK(bake_hull(points).value() != bytes);
 }
 
-TEST_CASE("points of a small grid: many are in one plane, on one line or in one place") {
+TEST_CASE("make_hull() handles points of a small grid although many share a plane or a line or a place") {
     oracle::RandomReal random(11);
     for (int i = 0; i < 3000; ++i) {
         const std::uint32_t side = 2 + random.below(4), count = 4 + random.below(40);
@@ -253,7 +253,7 @@ TEST_CASE("points of a small grid: many are in one plane, on one line or in one 
     }
 }
 
-TEST_CASE("what has no inside is refused with a sentence") {
+TEST_CASE("make_hull() rejects points without volume and reports the reason") {
     CHECK(make_hull(Points{point(0, 0, 0), point(1, 0, 0), point(0, 1, 0)}).error().message ==
           "hull has fewer than four points");
     CHECK(make_hull(Points(5, point(1, 1, 1))).error().message == "hull has all its points in one place");
@@ -267,7 +267,7 @@ TEST_CASE("what has no inside is refused with a sentence") {
           "hull has a corner further than 100 m from the origin");
 }
 
-TEST_CASE("the extremes of size: 5 mm and 200 m") {
+TEST_CASE("hulls of the extreme sizes of 5 mm and 200 m are correct") {
     for (double size : {0.0025, 0.1, 100.0}) {
         const Points points = box_corners(size, size, size);
         const Hull h = hull_of(points);

@@ -96,7 +96,7 @@ TEST_CASE("a body of several parts obeys the parallel axis theorem") {
     CHECK(mass_properties(plane(), 50_r).mass == 0_r);
 }
 
-TEST_CASE("two halves of a box make the box") {
+TEST_CASE("two halves of a box combine to the mass properties of the box") {
     const MassProperties whole = mass_properties(box(1_r, 0.5_r, 0.25_r), 8_r),
                          half = mass_properties(box(0.5_r, 0.5_r, 0.25_r), 8_r);
     const MassPart parts[] = {{half, {{-0.5_r, 0_r, 0_r}, Quat::identity()}},
@@ -108,7 +108,7 @@ TEST_CASE("two halves of a box make the box") {
         CHECK(std::abs(entry(m.gyration_squared, k, k) - entry(whole.gyration_squared, k, k)) < 1e-12);
 }
 
-TEST_CASE("principal radii and axes put the gyration back together") {
+TEST_CASE("the principal radii and axes reproduce the gyration") {
     oracle::RandomReal random(47);
     for (int i = 0; i < 200; ++i) {
         const MassProperties m = combine(random_parts(random));

@@ -84,7 +84,7 @@ const std::vector<Geometry> primitives{sphere(real(0.6)), box(real(0.7), real(0.
 
 } // namespace
 
-TEST_CASE("the part of a shape below a plane is that of a fine grid") {
+TEST_CASE("the submerged part of a shape agrees with a count over a fine grid") {
     for (const Geometry& g : primitives) {
         INFO(std::string(name_of(g.kind)));
         const Worst worst = worst_of(g);
@@ -93,11 +93,11 @@ TEST_CASE("the part of a shape below a plane is that of a fine grid") {
     }
 }
 
-TEST_CASE("planted fault: a plane two centimetres higher is found out") {
+TEST_CASE("planted fault: the grid comparison detects a plane that is two centimetres higher") {
     for (const Geometry& g : primitives) CHECK(worst_of(g, 0.02).fraction > 0.012);
 }
 
-TEST_CASE("from dry to under, the part grows and never jumps, for every kind and way of lying") {
+TEST_CASE("the submerged part of every shape in every pose grows without jumps from dry to under water") {
     RandomPoint random(3);
     for (const Geometry& g : primitives)
         for (int way = 0; way < 20; ++way) {
@@ -115,7 +115,7 @@ TEST_CASE("from dry to under, the part grows and never jumps, for every kind and
         }
 }
 
-TEST_CASE("a rounded box is dry and under where it should be") {
+TEST_CASE("submerged() returns 0 for a rounded box above the water and 1 for one below it") {
     const shapes::Solid solid{.geometry = rounded(box(real(0.4), real(0.2), real(0.3)), real(0.1))};
     CHECK(shapes::submerged(solid, axis_y, real(-0.301)).fraction == Unit{});
     CHECK(to_double(shapes::submerged(solid, axis_y, real(-0.29)).fraction) > 0.01);
@@ -124,7 +124,7 @@ TEST_CASE("a rounded box is dry and under where it should be") {
     CHECK(to_double(shapes::submerged(solid, axis_y, Real{}).fraction) == test::about(0.5));
 }
 
-TEST_CASE("sizes from 5 mm to 100 m keep their parts") {
+TEST_CASE("submerged() returns the right fraction of cubes with half sizes from 2.5 mm to 100 m") {
     for (double size : {0.0025, 1.0, 100.0})
         for (double d : {-0.5, 0.0, 0.9}) {
             const shapes::Solid cube{.geometry = box(real(size), real(size), real(size))};
@@ -133,7 +133,7 @@ TEST_CASE("sizes from 5 mm to 100 m keep their parts") {
         }
 }
 
-TEST_CASE("shown areas are the shadows of a fine grid" * doctest::skip(test::is_too_long_here())) {
+TEST_CASE("shown_area() agrees with the shadow of a fine grid" * doctest::skip(test::is_too_long_here())) {
     RandomPoint random(5);
     for (const Geometry& g : primitives)
         for (int way = 0; way < 6; ++way) {

@@ -196,7 +196,7 @@ std::string difference(const Solid& field, const Solid& mesh) {
 
 } // namespace
 
-TEST_CASE("a mesh answers box queries exactly as brute force, at any scale and size") {
+TEST_CASE("a mesh answers box queries exactly as brute force at any scale and size") {
     oracle::RandomReal random(3);
     for (const auto& [count, size] :
          {std::pair(1u, 1.0), std::pair(9u, 1.0), std::pair(65u, 3.0), std::pair(700u, 10.0),
@@ -212,7 +212,7 @@ TEST_CASE("a mesh answers box queries exactly as brute force, at any scale and s
     }
 }
 
-TEST_CASE("a height field answers box queries exactly as brute force, at any scale and with holes") {
+TEST_CASE("a height field answers box queries exactly as brute force at any scale and with holes") {
     oracle::RandomReal random(5);
     for (const auto& [columns, rows] :
          {std::pair(2u, 2u), std::pair(2u, 30u), std::pair(40u, 25u), std::pair(17u, 18u)})
@@ -225,7 +225,7 @@ TEST_CASE("a height field answers box queries exactly as brute force, at any sca
         }
 }
 
-TEST_CASE("a height field and the same triangles as a mesh are alike") {
+TEST_CASE("a height field equals a mesh of the same triangles") {
     oracle::RandomReal random(7);
     for (int i = 0; i < 20; ++i) {
         const Terrain terrain =
@@ -244,7 +244,7 @@ TEST_CASE("a height field and the same triangles as a mesh are alike") {
     }
 }
 
-TEST_CASE("edges of a roof: the ridge is felt, the valley and the flat are not, borders are") {
+TEST_CASE("ridges and borders are sharp edges but flat edges are not and valleys only in a two-sided mesh") {
     // Four quads along x with z from 0 to 1: flat, ridge, valley between them.
     const double profile[] = {0, 0, 1, 0, 1};
     Soup soup;
@@ -276,7 +276,7 @@ TEST_CASE("edges of a roof: the ridge is felt, the valley and the flat are not, 
     }
 }
 
-TEST_CASE("an edge with three triangles, or two that run the same way, is a border") {
+TEST_CASE("an edge with three triangles or with two that run in the same direction is a border") {
     Soup soup;
     soup.vertices = {{0_r, 0_r, 0_r}, {1_r, 0_r, 0_r}, {0_r, 1_r, 0_r}, {0_r, 0_r, 1_r}, {0_r, -1_r, 0.5_r}};
     soup.triangles = {{0, 1, 2}, {1, 0, 3}, {1, 0, 4}};
@@ -291,7 +291,7 @@ TEST_CASE("an edge with three triangles, or two that run the same way, is a bord
     CHECK(triangle_at(joined.solid, 0).beyond[0] == triangle_at(joined.solid, 1).normal);
 }
 
-TEST_CASE("welding, degenerate triangles and materials") {
+TEST_CASE("bake_mesh() welds vertices and drops degenerate triangles and keeps materials") {
     Soup soup;
     const Real tiny = Real::from_raw(3); // less than a step of 24 fraction bits
     soup.vertices = {{0_r, 0_r, 0_r},  {1_r, 0_r, 0_r}, {0_r, 1_r, 0_r}, {tiny, 0_r, 0_r},
@@ -306,7 +306,8 @@ TEST_CASE("welding, degenerate triangles and materials") {
     CHECK(triangle_at(holder.solid, 0).sharp == 5u); // the diagonal, edge 1, is inside and flat
 }
 
-TEST_CASE("a box turned back to scale 1 holds exactly the points whose scaled places are in it") {
+TEST_CASE(
+    "at_scale_one() returns the box of exactly the points whose scaled positions are in the given box") {
     oracle::RandomReal random(17);
     for (int i = 0; i < 20000; ++i) {
         const LengthVec3 scale = factors(random.log_uniform(0.0079, 100), random.log_uniform(0.0079, 100), 1);

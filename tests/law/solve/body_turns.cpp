@@ -140,7 +140,8 @@ bool begins_alike(const Rig& a, const Rig& b, std::size_t i) {
 
 } // namespace
 
-TEST_CASE("bodies begin a tick alike where they share what their traits say and one by one") {
+TEST_CASE("bodies begin a tick with the same values when they share the data of their traits and when they "
+          "do not") {
     for (const bool faulty : {false, true}) {
         Rig alone, shared;
         const StepConstants step = alone.constants();
@@ -164,7 +165,7 @@ TEST_CASE("bodies begin a tick alike where they share what their traits say and 
     }
 }
 
-TEST_CASE("bodies begin and end a tick alike in lanes and alone") {
+TEST_CASE("bodies begin and end a tick with the same values in lanes and alone") {
     for (const Simd level : {Simd::scalar, Simd::sse41, Simd::avx2, Simd::neon, Simd::wasm128}) {
         const Kernels* kernels = kernels_of(level);
         if (kernels == nullptr) continue;

@@ -68,20 +68,22 @@ constexpr double mirror_max = 5e-5; ///< [m]
 
 } // namespace
 
-TEST_CASE("a tower of flush boxes stands on its axis, without a trace of a tilt") {
+TEST_CASE("a tower of flush boxes stays on its axis without tilt") {
     CHECK(Tower().off_axis_after(240) < off_axis_max);
 }
-TEST_CASE("planted fault: a tower is on its axis until a box of it is pushed aside by 1 cm/s") {
+TEST_CASE("planted fault: the test detects a tower in which a box is pushed aside at 1 cm/s") {
     Tower tower;
     REQUIRE(tower.off_axis_after(120) < off_axis_max);
     done(tower.w.add_impulse(tower.boxes[1], {tower.w.mass(tower.boxes[1]) * 0.01_r, {}, {}}));
     CHECK_FALSE(tower.off_axis_after(120) < off_axis_max);
 }
 
-TEST_CASE("a load on the left presses as one on the right does") { CHECK(mirror_error() < mirror_max); }
+TEST_CASE("a load on the left has the mirrored effect of a load on the right") {
+    CHECK(mirror_error() < mirror_max);
+}
 // Both planks begin in the same place. The far post sinks by the hollow and the plank's middle by half of it: 0.1 mm,
 // twice the bound.
-TEST_CASE("planted fault: a floor that is 0.2 mm lower under the far post is found out") {
+TEST_CASE("planted fault: the mirror test detects a floor that is 0.2 mm lower under the far post") {
     CHECK_FALSE(mirror_error(2e-4) < mirror_max);
 }
 
@@ -140,13 +142,13 @@ double support_error(double degrees, double claimed) {
 
 } // namespace
 
-TEST_CASE("the points of a resting box carry its weight, hold it, and press where its weight line meets the "
-          "floor") {
+TEST_CASE(
+    "the contact points of a resting box carry and hold its weight where its weight line meets the floor") {
     for (const double degrees : {0.0, 5.0, 20.0, 35.0}) {
         CAPTURE(degrees);
         CHECK(support_error(degrees, degrees) < 2e-3);
     }
 }
-TEST_CASE("planted fault: half a degree of tilt more than claimed is found out") {
+TEST_CASE("planted fault: the test detects a tilt that is half a degree more than claimed") {
     for (const double degrees : {5.0, 20.0, 35.0}) CHECK_FALSE(support_error(degrees + 0.5, degrees) < 2e-3);
 }

@@ -44,7 +44,8 @@ constexpr double far_apart[] = {0.03, 1.0, 64.0, 100.0, 180.0, 182.0, 200.0, 255
 
 } // namespace
 
-TEST_CASE("a point takes the impulse of another feature within 2 cm, and of none farther, up to 443 m away") {
+TEST_CASE("a contact point takes the impulse of another feature only within 2 cm even at distances of up to "
+          "443 m") {
     CHECK(taken_from(one_point(1, 2, 3, 1, 5), one_point(1.01, 2, 3, 2, 0)) == Speed(5));
     for (const double apart : far_apart) {
         INFO(apart, " m apart");
@@ -52,7 +53,7 @@ TEST_CASE("a point takes the impulse of another feature within 2 cm, and of none
     }
 }
 
-TEST_CASE("planted fault: squares of distances in 64 bits take impulses from afar") {
+TEST_CASE("planted fault: 64-bit squares of distances take impulses from far points") {
     const auto wrapped = [](const ContactMemory& old, const ContactMemory& fresh) {
         std::uint64_t square = 0;
         for (int i = 0; i < 3; ++i) {

@@ -181,7 +181,7 @@ double deepest_mm(World& w, int ticks) {
 
 } // namespace
 
-TEST_CASE("contacts are solved from the top down, however deep they are") {
+TEST_CASE("the solver handles contacts from the top down regardless of their depth") {
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
         for (const double deepest : {0.0024, 0.15}) {
             const Heap heap = heap_of(200, deepest, seed);
@@ -191,7 +191,7 @@ TEST_CASE("contacts are solved from the top down, however deep they are") {
 }
 
 // Every contact of a heap has points. Half of the contacts carry an impulse, and some have one point.
-TEST_CASE("packs leave contacts in order") {
+TEST_CASE("packs keep the order of contacts") {
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
         for (const std::uint32_t lanes : {1u, 2u, 4u, 8u}) {
             Heap heap = heap_of(200, 0.01, seed);
@@ -212,7 +212,7 @@ TEST_CASE("packs leave contacts in order") {
         }
 }
 
-TEST_CASE("strands leave contacts in order, whoever of the workers is ahead") {
+TEST_CASE("strands keep the order of contacts whichever worker is ahead") {
     int shared = 0, too_early = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
         for (const std::uint32_t lanes : {1u, 2u, 4u})
@@ -297,7 +297,7 @@ Heap tower_of(std::uint32_t layers_high, std::uint32_t wide) {
     return heap;
 }
 
-TEST_CASE("all passes of a tick as one run leave contacts in order, and what comes between passes") {
+TEST_CASE("one run over all passes of a tick keeps the order of contacts and of the work between passes") {
     int too_early = 0, between_too_early = 0;
     for (const std::uint32_t lanes : {1u, 2u, 4u, 8u})
         for (const std::uint32_t workers : {2u, 3u, 5u}) {
@@ -321,7 +321,7 @@ TEST_CASE("all passes of a tick as one run leave contacts in order, and what com
     CHECK(between_too_early > 10);
 }
 
-TEST_CASE("a large world of islands is solved island by island, in strands that wait for nobody") {
+TEST_CASE("the solver handles a large world of islands island by island in strands without waits") {
     Heap heap = heap_of(2, 0.01, 1);
     heap.contacts.clear();
     constexpr std::uint32_t towers = 2000;
@@ -352,7 +352,7 @@ TEST_CASE("a large world of islands is solved island by island, in strands that 
     CHECK_FALSE(made.runs_all_passes());
 }
 
-TEST_CASE("packs serve again while the order is the same, and not longer") {
+TEST_CASE("the solver reuses packs only while the order is unchanged and few contacts change their kind") {
     const auto list = [](const ContactPacks& packs) {
         return std::vector<std::uint32_t>(packs.contact_of_lane().begin(), packs.contact_of_lane().end());
     };
@@ -399,7 +399,7 @@ TEST_CASE("packs serve again while the order is the same, and not longer") {
 // 40 mm is half of Box3D's overlap in such a heap of a thousand bodies, and a third more than Bullet's. A solver that
 // drops loads as if they were impacts fails the bound in four of these eight heaps; a correct one fails it in one or
 // two of 24. A sanitizer's sample of one heap could not tell them apart, so sanitized builds skip this test.
-TEST_CASE("what is rammed into each other when a heap lands comes apart, in three of four heaps at least" *
+TEST_CASE("bodies that a landing heap pushes into each other separate in at least three of four heaps" *
           doctest::skip(test::is_too_long_here())) {
     constexpr int heaps = 8;
     int deeper = 0;

@@ -33,7 +33,7 @@ std::uint32_t rows_of_two(double toward, double across_a, double across_b) {
 
 } // namespace
 
-TEST_CASE("contacts reach ahead by what two shapes near each other, not by how fast both go") {
+TEST_CASE("the reach of contacts depends on the closing speed of two shapes and not on the speed of each") {
     CHECK(rows_of_two(0, 0, 0) == 0);
     CHECK(rows_of_two(0, 20, 20) == 0);  // side by side
     CHECK(rows_of_two(0, 20, -20) == 0); // past each other
@@ -41,7 +41,7 @@ TEST_CASE("contacts reach ahead by what two shapes near each other, not by how f
     CHECK(rows_of_two(1, 0, 0) == 0);    // 0.017 m
 }
 
-TEST_CASE("of what is near, only points that close within the tick are contacts") {
+TEST_CASE("only near points that close within the tick become contacts") {
     // They pass each other at 20 m/s. An edge of the second crate turns towards the first one by half a metre per
     // radian: 0.125 m in the tick, or 0.025 m.
     const World turns = two_crates(0, 0, 20, 15), turns_slowly = two_crates(0, 0, 20, 3),
@@ -54,7 +54,7 @@ TEST_CASE("of what is near, only points that close within the tick are contacts"
     for (const World::ContactPoint& point : turns_back.contacts()) CHECK(point.point.y < Real{});
 }
 
-TEST_CASE("what comes fast lands on what it meets") {
+TEST_CASE("a crate of up to 80 m/s lands on a wall and sinks in by less than 1 cm") {
     for (const double speed : {0.2, 1.0, 5.0, 20.0, 80.0}) {
         WorldDef def = weightless();
         World w = made(World::create(def));
@@ -71,7 +71,7 @@ TEST_CASE("what comes fast lands on what it meets") {
     }
 }
 
-TEST_CASE("pairs that are near without a contact point leave nothing in the state") {
+TEST_CASE("a near pair without a contact point stores nothing in the state") {
     World w = made(World::create(small_def()));
     add_floor(w);
     // Corners pass corners, with 13 cm between the faces: the bounds overlap.
@@ -82,7 +82,7 @@ TEST_CASE("pairs that are near without a contact point leave nothing in the stat
     for (const solve::ContactRow& row : memories) CHECK(row.count > 0);
 }
 
-TEST_CASE("a pair that parts ends to touch, though it stays near") {
+TEST_CASE("the contact of a pair that parts ends although the pair stays near") {
     World w = made(World::create(weightless()));
     add_wall(w, at(0, -0.5, 0), vec(3, 0.5, 3));
     const BodyId crate = add_crate(w, at(0, 0.5, 0));

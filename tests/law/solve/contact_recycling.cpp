@@ -206,7 +206,7 @@ class Trial {
 
 } // namespace
 
-TEST_CASE("a manifold that is used again is as wrong as its header says, and no more") {
+TEST_CASE("the error of a reused manifold stays within the bound of its header") {
     Library library;
     const shapes::Solid unit_box{box(0.5_r, 0.5_r, 0.5_r)}, slab{box(1_r, 0.1_r, 0.6_r)},
         little{box(0.05_r, 0.02_r, 0.03_r)}, ball{sphere(0.4_r)}, bead{sphere(0.02_r)},
@@ -246,7 +246,7 @@ TEST_CASE("a manifold that is used again is as wrong as its header says, and no 
     }
 }
 
-TEST_CASE("what has moved or turned too far, or is near from further off, is made anew") {
+TEST_CASE("a manifold is not reused if its pair has moved or turned too far or is near from farther off") {
     ContactMemory row{};
     row.flags = solve::contact_on_face, row.count = 1, row.normal.y = unit_one;
     row.made_rotation = Quat::identity(), row.margin = margin;

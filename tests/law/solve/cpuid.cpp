@@ -17,7 +17,7 @@ using solve::CpuidWords;
 
 constexpr std::uint32_t bit(int at) { return std::uint32_t{1} << at; }
 
-TEST_CASE("each of the bits that instructions need is needed, and no other") {
+TEST_CASE("has_simd() requires exactly the CPUID bits of each instruction set") {
     struct Needs {
         Simd level;
         CpuidWords needed;
@@ -47,7 +47,7 @@ TEST_CASE("each of the bits that instructions need is needed, and no other") {
 }
 
 #if LOCKSTONE_HAS_X86 && LOCKSTONE_GNU
-TEST_CASE("what this processor says of itself is read as the compiler's own function reads it") {
+TEST_CASE("has_simd() reads this processor's CPUID words as the compiler's own function does") {
     unsigned a = 0, b = 0, c = 0, d = 0;
     CpuidWords words;
     REQUIRE(__get_cpuid(1, &a, &b, &c, &d));

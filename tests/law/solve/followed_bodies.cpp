@@ -154,7 +154,7 @@ double inertia_error(const Rig& rig, const FollowedTurn& turn) {
 
 } // namespace
 
-TEST_CASE("followed bodies turn alike by every instruction set") {
+TEST_CASE("followed bodies turn alike in every instruction set") {
     for (const Simd level : {Simd::sse41, Simd::avx2, Simd::neon, Simd::wasm128}) {
         const Kernels* kernels = kernels_of(level);
         if (kernels == nullptr) continue;
@@ -165,7 +165,7 @@ TEST_CASE("followed bodies turn alike by every instruction set") {
     CHECK(differences(scalar_bodies, nullptr) == 0);
 }
 
-TEST_CASE("followed bodies turn in lanes as they do in Real") {
+TEST_CASE("followed bodies turn in lanes as in Real up to rounding") {
     Rig lanes, alone;
     const BodyKernel without_room = Meddled::without_room(scalar_bodies);
     alone.bodies.kernel = &without_room;
@@ -198,7 +198,7 @@ TEST_CASE("followed bodies turn in lanes as they do in Real") {
     CHECK(inverse_error < 3e-8);
 }
 
-TEST_CASE("what joints and contacts do not add leaves followed bodies as they are") {
+TEST_CASE("followed bodies stay unchanged when joints and contacts add no impulse") {
     Rig rig;
     add_spinning(rig, 3, 200, true);
     const StepConstants step = rig.constants();

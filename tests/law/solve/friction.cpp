@@ -81,7 +81,7 @@ double tent_drift(double friction) {
 
 } // namespace
 
-TEST_CASE("the tangents of a normal are perpendicular units and turn with it without a jump") {
+TEST_CASE("the tangents of a normal are perpendicular unit vectors and turn with it without a jump") {
     std::mt19937 random(3);
     std::normal_distribution<double> any;
     for (int i = 0; i < 20000; ++i) {

@@ -135,7 +135,7 @@ Orbit orbit(Integrator integrator, std::uint32_t rate) {
 
 } // namespace
 
-TEST_CASE("each integrator has the order it claims in a spring field and in point gravity") {
+TEST_CASE("each integrator has its claimed order in a spring field and in point gravity") {
     for (const Problem* p : {&spring, &gravity})
         for (int i = 0; i < 4; ++i) {
             INFO(std::string(p->name), ", ", std::string(name_of(integrators[i])));
@@ -145,7 +145,7 @@ TEST_CASE("each integrator has the order it claims in a spring field and in poin
         }
 }
 
-TEST_CASE("planted fault: an integrator taken for one of higher order is found out") {
+TEST_CASE("planted fault: the order test detects an integrator that claims a higher order") {
     CHECK(measured_order(spring, Integrator::semi_implicit_euler) < 2 - 0.15);
     CHECK(measured_order(gravity, Integrator::velocity_verlet) < 4 - 0.15);
 }
@@ -164,7 +164,7 @@ TEST_CASE("on an orbit the energy of symplectic integrators swings but does not 
     }
 }
 
-TEST_CASE("in coarse steps the energy of the fourth-order method drifts, that of Verlet does not") {
+TEST_CASE("in coarse steps the energy of the fourth-order method drifts but that of Verlet does not") {
     const Orbit fourth = orbit(Integrator::runge_kutta_4, 4), second = orbit(Integrator::verlet, 4);
     std::printf("  orbit at 4 ticks/s: energy drifts %.3g per revolution (fourth order), %.3g (Verlet, "
                 "swings %.3g)\n",

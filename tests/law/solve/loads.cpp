@@ -35,7 +35,7 @@ double slip_on_slope(std::uint32_t tick_rate, std::uint32_t substeps, double gra
 
 } // namespace
 
-TEST_CASE("a box stays on a slope whatever weight adds to its speed in a substep") {
+TEST_CASE("a box stays on a slope at any speed that its weight adds in a substep") {
     for (const std::uint32_t rate : {60u, 30u, 20u})
         for (const std::uint32_t substeps : {1u, 2u, 4u})
             for (const double gravity : {1.6, 9.81, 20.0, 100.0}) {
@@ -81,7 +81,7 @@ TEST_CASE("a joint that presses a crate down holds it in place") {
     CHECK(length(position(w, crate) - before) < held_max);
 }
 
-TEST_CASE("a tower stands where gravity is twenty times the earth's") {
+TEST_CASE("a tower stays upright at twenty times the earth's gravity") {
     WorldDef def = small_def();
     def.gravity = vec(0, -200, 0);
     World w = made(World::create(def));

@@ -64,13 +64,13 @@ double speed_after_hit(std::uint32_t locks) {
 } // namespace
 
 // A body that may turn keeps moving: it turns about the point of the hit.
-TEST_CASE("a body that may not turn is stopped by a hit off its centre, and one that may turn is not") {
+TEST_CASE("a hit off the centre stops a body that may not turn but not a body that may turn") {
     CHECK(std::abs(speed_after_hit(lock_angular_x | lock_angular_y | lock_angular_z)) < 0.05);
     CHECK(std::abs(speed_after_hit(lock_angular_z)) < 0.05);
     CHECK(speed_after_hit(lock_angular_x | lock_angular_y) < -0.5); // negative control
 }
 
-TEST_CASE("a body has no motion along or about locked axes, however velocity is given to it") {
+TEST_CASE("a body has no motion along or about locked axes however it gets its velocity") {
     for (std::uint32_t locks = 0; locks < 64; ++locks)
         for (int way = 0; way < 6; ++way) {
             World w = made(World::create(weightless()));
@@ -83,8 +83,8 @@ TEST_CASE("a body has no motion along or about locked axes, however velocity is 
         }
 }
 
-TEST_CASE("a locked body in gravity, wind, a spring field and contact with others stays on its axes, by "
-          "every integrator") {
+TEST_CASE("a locked body keeps to its axes in gravity and wind and a spring field and contacts by every "
+          "integrator") {
     for (std::uint32_t scheme = 0; scheme < 4; ++scheme)
         for (const std::uint32_t locks : {1u, 2u, 4u, 5u, 7u, std::uint32_t{lock_planar_xy}, 63u}) {
             WorldDef def = small_def();
@@ -118,8 +118,7 @@ TEST_CASE("a locked body in gravity, wind, a spring field and contact with other
         }
 }
 
-TEST_CASE("planted fault: a velocity that a state brings along a locked axis is dropped by the tick, and "
-          "seen before it") {
+TEST_CASE("planted fault: a state's velocity along a locked axis is visible until the tick drops it") {
     World w = made(World::create(weightless()));
     const BodyId b = thrown(w, lock_planar_xy, 0);
     const auto& layout = w.state().layout();

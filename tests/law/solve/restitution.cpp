@@ -91,7 +91,7 @@ Slide slide(double restitution, double friction) {
 
 } // namespace
 
-TEST_CASE("restitution: two balls part at its part of their speed, wherever in a tick they touch") {
+TEST_CASE("restitution: two balls part at the coefficient times their speed at any time of touch in a tick") {
     for (double e : {0.5, 1.0})
         for (double speed : {1.2, 1.5, 5.0})
             for (const std::uint32_t substeps : {1u, 4u}) {
@@ -112,7 +112,7 @@ TEST_CASE("restitution: a body that falls on several points gains no energy") {
         }
 }
 
-TEST_CASE("restitution: a body that falls flat parts at its part of its speed") {
+TEST_CASE("restitution: a body that falls flat leaves at the coefficient times its speed") {
     for (double e : {0.5, 1.0})
         for (int i = 0; i < 60; ++i) {
             World w = made(World::create(weightless(usual_def())));
@@ -126,7 +126,7 @@ TEST_CASE("restitution: a body that falls flat parts at its part of its speed") 
         }
 }
 
-TEST_CASE("restitution: what is given back has friction too, which ends sliding at most") {
+TEST_CASE("restitution: the bounce impulse causes friction that at most ends the sliding") {
     for (double e : {0.0, 0.5, 1.0})
         for (double friction : {0.1, 0.2}) {
             const Slide out = slide(e, friction);
@@ -142,7 +142,7 @@ TEST_CASE("restitution: what is given back has friction too, which ends sliding 
     CHECK(held.lost < 10 / 3.5 + rounding);
 }
 
-TEST_CASE("restitution: the last of a row leaves at the speed of the striker times ((1 + e) / 2)^(n - 1)") {
+TEST_CASE("restitution: the last body of a row leaves at the striker's speed times ((1 + e) / 2)^(n - 1)") {
     // Each body of a row gives its whole speed to the next one of equal mass. The bound of 1 % covers rounding and
     // gaps.
     Random random = Random::seeded(3);
@@ -168,7 +168,7 @@ TEST_CASE("restitution: the last of a row leaves at the speed of the striker tim
     }
 }
 
-TEST_CASE("restitution: a ball is where an impact in continuous time puts it") {
+TEST_CASE("restitution: a ball is at the position that an impact in continuous time gives") {
     for (const double e : {0.55, 0.8, 1.0})
         for (const double speed : {2.0, 5.0}) {
             INFO("restitution ", e, ", ", speed, " m/s");

@@ -182,14 +182,14 @@ template <class Check> void for_each_set(Check&& check) {
 
 } // namespace
 
-TEST_CASE("impacts are forgotten alike at once and lane by lane") {
+TEST_CASE("kernels drop the same impacts whether they process lanes at once or one by one") {
     for_each_set([](auto width, const ContactKernel& kernel) { compare<width()>(kernel); });
 }
 
-TEST_CASE("hits of elastic contacts are found alike at once and lane by lane") {
+TEST_CASE("kernels find the same hits of elastic contacts whether they process lanes at once or one by one") {
     for_each_set([](auto width, const ContactKernel& kernel) { compare_hits<width()>(kernel); });
 }
 
-TEST_CASE("points that a contact lacks change nothing, whatever it shares a pack with") {
+TEST_CASE("missing points of a contact change nothing regardless of the other contacts in the pack") {
     for_each_set([](auto width, const ContactKernel& kernel) { compare_lacking<width()>(kernel); });
 }

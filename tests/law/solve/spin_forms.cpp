@@ -93,7 +93,7 @@ constexpr int cases = 200000;
 
 } // namespace
 
-TEST_CASE("the quick and the wide form of a spin differ by no more than their roundings") {
+TEST_CASE("the quick and the wide form of a spin differ by at most their rounding") {
     Chance random(91);
     int quick = 0;
     double most = 0;
@@ -109,7 +109,7 @@ TEST_CASE("the quick and the wide form of a spin differ by no more than their ro
     CHECK(most > 0.2);                  // the bound is near the measured differences
 }
 
-TEST_CASE("planted fault: a quick spin of radii that are 2^-24 too small is found out") {
+TEST_CASE("planted fault: the comparison detects a quick spin with radii that are 2^-24 too small") {
     Chance random(91);
     int parted = 0;
     for (int i = 0; i < cases; ++i) {

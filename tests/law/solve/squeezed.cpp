@@ -102,7 +102,7 @@ constexpr double unevenness_max = 4 * 0.6 / 100;
 
 } // namespace
 
-TEST_CASE("rows of boxes that two walls hold squeezed rest" * doctest::skip(test::is_too_long_here())) {
+TEST_CASE("rows of boxes that two walls squeeze come to rest" * doctest::skip(test::is_too_long_here())) {
     for (const WorldDef& def : {awake({}), awake(WorldDef::precise())})
         for (const int count : {2, 4, 8})
             for (const double overlap : {0.004, 0.009, 0.0105, 0.016, 0.03, 0.06}) {
@@ -114,12 +114,12 @@ TEST_CASE("rows of boxes that two walls hold squeezed rest" * doctest::skip(test
             }
 }
 
-TEST_CASE("planted fault: boxes that shake by more than the speed of sleep are found out") {
+TEST_CASE("planted fault: the test detects boxes that shake faster than the sleep speed") {
     Squeezed s(awake({}), even(4, 0.0093));
     CHECK(fastest_of(s, 0.008) > still); // the wall moves at up to 50 mm/s
 }
 
-TEST_CASE("a squeeze is shared as among springs, wherever it begins") {
+TEST_CASE("squeezed boxes share an overlap as springs do regardless of the place where it begins") {
     for (int deep = 0; deep <= 4; ++deep) {
         std::vector<double> overlaps(5, 0.0);
         overlaps[static_cast<std::size_t>(deep)] = 0.08;

@@ -112,7 +112,7 @@ constexpr int cases = 200000;
 
 } // namespace
 
-TEST_CASE("a rim and its tyre turn alike in 64 and in 128 bits, up to what counts as small") {
+TEST_CASE("a rim and its tyre turn alike in 64 and 128 bits within the range of small values") {
     Chance random(41);
     int held = 0, slid = 0, clung = 0;
     for (int i = 0; i < cases; ++i) {
@@ -124,7 +124,7 @@ TEST_CASE("a rim and its tyre turn alike in 64 and in 128 bits, up to what count
     CHECK(std::min(held, std::min(slid, clung)) > cases / 100); // each branch was taken
 }
 
-TEST_CASE("planted fault: a rim whose mobility is a step off is seen") {
+TEST_CASE("planted fault: the comparison detects a rim whose mobility is off by a step") {
     Chance random(42);
     int parted = 0;
     for (int i = 0; i < cases; ++i) {
@@ -136,7 +136,7 @@ TEST_CASE("planted fault: a rim whose mobility is a step off is seen") {
     CHECK(parted > cases / 100);
 }
 
-TEST_CASE("lines read a chassis alike in 64 and in 128 bits, where it has room") {
+TEST_CASE("lines read a chassis alike in 64 and 128 bits if the chassis has room") {
     Chance random(43);
     for (int i = 0; i < cases; ++i) {
         const AnyLine any(random, Real(256), Real(64));
@@ -183,7 +183,7 @@ bool has_small_room(const Chassis& chassis) {
 
 } // namespace
 
-TEST_CASE("small wheels leave each other room in a chassis") {
+TEST_CASE("small wheels leave a chassis enough room for the 64-bit arithmetic of other small wheels") {
     Chance random(45);
     int taken = 0;
     for (int i = 0; i < cases / 10; ++i) {
@@ -201,7 +201,7 @@ TEST_CASE("small wheels leave each other room in a chassis") {
     }
 }
 
-TEST_CASE("a tyre's two impulses at once move a chassis as one after the other do") {
+TEST_CASE("a tyre's two impulses move a chassis alike whether they are applied at once or in sequence") {
     Chance random(46);
     solve::SolverBodies none;
     int parted = 0;
@@ -225,7 +225,7 @@ TEST_CASE("a tyre's two impulses at once move a chassis as one after the other d
     CHECK(parted > cases / 20);
 }
 
-TEST_CASE("an impulse of 1 m/s moves a chassis as a larger one does") {
+TEST_CASE("push_line() and push_far() move a chassis alike for impulses of up to 1 m/s") {
     Chance random(44);
     SolverBodies none;
     const auto gives = [&](AnyLine any, Real impulse, bool far) {
@@ -246,7 +246,7 @@ TEST_CASE("an impulse of 1 m/s moves a chassis as a larger one does") {
     }
 }
 
-TEST_CASE("quotients of vehicles are within 2^-29 and a step of what they stand for") {
+TEST_CASE("quotients of vehicles are within 2^-29 and one step of the exact value") {
     Chance random(45);
     const auto off = [](Real n, Real d, Real q) {
         const long double exact = static_cast<long double>(n.raw) / static_cast<long double>(d.raw) * 0x1p32L;
@@ -267,7 +267,7 @@ TEST_CASE("quotients of vehicles are within 2^-29 and a step of what they stand 
     CHECK(planted > cases / 4);
 }
 
-TEST_CASE("a product with a reciprocal is a quotient to 22 bits, and large divisors divide") {
+TEST_CASE("a product with a reciprocal equals the quotient to 22 bits and large divisors use division") {
     Chance random(46);
     int planted = 0;
     for (int i = 0; i < cases; ++i) {

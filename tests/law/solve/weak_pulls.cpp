@@ -144,7 +144,8 @@ constexpr int cases = 200000;
 
 } // namespace
 
-TEST_CASE("no pull of a joint above its bound is left out, and none of a size below 0.73 of it counts") {
+TEST_CASE(
+    "the solver keeps every joint pull above its bound and skips every pull with a size below 0.73 of it") {
     Chance random(81);
     int out = 0, in = 0, close = 0;
     for (int i = 0; i < cases; ++i) {
@@ -159,7 +160,7 @@ TEST_CASE("no pull of a joint above its bound is left out, and none of a size be
     CHECK(close > cases / 1000);           // up to the bound
 }
 
-TEST_CASE("planted fault: a bound on pulls that is 0.4 percent too high is found out") {
+TEST_CASE("planted fault: the test detects a bound on pulls that is 0.4 percent too high") {
     Chance random(81);
     int above = 0;
     for (int i = 0; i < cases; ++i) {
@@ -193,7 +194,7 @@ struct Known {
 
 } // namespace
 
-TEST_CASE("a force that is known to be weak is left out, and most of what is left out is known") {
+TEST_CASE("the solver skips every force that is known to be weak and the test knows most forces") {
     const Known known(100);
     CHECK(known.wrong == 0);
     CHECK(known.weak > cases / 10);
@@ -201,7 +202,7 @@ TEST_CASE("a force that is known to be weak is left out, and most of what is lef
     CHECK(known.weak + known.strong > cases / 2);
 }
 
-TEST_CASE("planted fault: a weak force that is 5 percent too high or too low is found out") {
+TEST_CASE("planted fault: the test detects a weak force that is 5 percent too high or too low") {
     CHECK(Known(105).wrong > 0);
     CHECK(Known(95).wrong > 0);
 }

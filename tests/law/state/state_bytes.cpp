@@ -36,7 +36,7 @@ Values read(base::ByteReader& in) {
 }
 } // namespace
 
-TEST_CASE("what is written is read back, and stands little-endian") {
+TEST_CASE("ByteReader reads the written values back and the bytes are little-endian") {
     const auto bytes = written();
     CHECK(bytes[1] == std::byte{0x56});
     CHECK(bytes[3] == std::byte{0xde});
@@ -53,7 +53,7 @@ TEST_CASE("what is written is read back, and stands little-endian") {
     CHECK(v.text == values.text);
 }
 
-TEST_CASE("every truncation is an error that says what, where and how much") {
+TEST_CASE("ByteReader reports each truncation with the field and the place and the missing bytes") {
     const auto bytes = written();
     for (std::size_t size = 0; size < bytes.size(); ++size) {
         base::ByteReader in({bytes.data(), size}, "values");
@@ -70,7 +70,7 @@ TEST_CASE("every truncation is an error that says what, where and how much") {
           "values: c needs 4 bytes, only 2 remain (at byte 3)"); // the first error remains
 }
 
-TEST_CASE("a length larger than memory is refused, and so are bytes left over") {
+TEST_CASE("ByteReader rejects a length larger than memory and reports bytes that are left over") {
     const std::array<std::byte, 4> bytes{};
     base::ByteReader in(bytes, "packet");
     CHECK(in.bytes(0xffffffffffffffffu, "payload").empty());

@@ -54,7 +54,7 @@ State with_contacts(const Sample& s, std::span<const std::uint64_t> keys) {
 
 } // namespace
 
-TEST_CASE("a delta applied to its base gives the other state, for random states of all sizes") {
+TEST_CASE("a delta applied to its base gives the other state for random states of all sizes") {
     const Sample s = make_sample();
     for (std::uint64_t seed = 1; seed <= 60; ++seed)
         REQUIRE(lost_between(random_state(s, seed), random_state(s, seed + 1000)) == "");
@@ -64,7 +64,7 @@ TEST_CASE("a delta applied to its base gives the other state, for random states 
     CHECK(lost_between(empty, empty) == "");
 }
 
-TEST_CASE("every field may take every value: the difference of the smallest and the largest is exact") {
+TEST_CASE("a delta is exact for the difference between the smallest and the largest value of every field") {
     const Sample s = make_sample();
     for (const unsigned from : {0x00u, 0x7fu, 0x80u, 0xffu})
         for (const unsigned to : {0x00u, 0x7fu, 0x80u, 0xffu}) {
@@ -79,7 +79,7 @@ TEST_CASE("every field may take every value: the difference of the smallest and 
         }
 }
 
-TEST_CASE("a delta passes between states of other capacities, and refuses rows that do not fit") {
+TEST_CASE("a delta applies to states of other capacities and returns an error if rows do not fit") {
     const Sample s = make_sample(), larger = make_sample(50, 1000), tight = make_sample(8, 5);
     const State from = random_state(s, 5, 4, 42, 9), to = random_state(s, 7, 180, 3, 10);
     State in_larger(larger.layout), in_tight(tight.layout);
@@ -96,7 +96,7 @@ TEST_CASE("a delta passes between states of other capacities, and refuses rows t
     CHECK(in_tight.hash() == from.hash());
 }
 
-TEST_CASE("rows that moved cost next to nothing: keys are matched") {
+TEST_CASE("a delta matches rows by key so that moved rows add few bytes") {
     const Sample s = make_sample();
     std::vector<std::uint64_t> keys;
     for (std::uint64_t i = 0; i < 200; ++i) keys.push_back(0x9e3779b97f4a7c15u * (i + 1));
@@ -110,7 +110,7 @@ TEST_CASE("rows that moved cost next to nothing: keys are matched") {
     CHECK(to.save_portable().size() > 200 * sizeof(Manifold));
 }
 
-TEST_CASE("the bytes of a small delta are these") {
+TEST_CASE("a small delta has the bytes that the format's README gives") {
     StateLayout layout;
     const TableId t = layout.add_table("t", 4);
     const auto key = layout.add_column<std::uint16_t>(t, "t.key", Group::game);
@@ -151,7 +151,7 @@ TEST_CASE("the bytes of a small delta are these") {
     CHECK(lost_between(from, to) == "");
 }
 
-TEST_CASE("every scene: any tick's state comes out of any other's and the delta between them") {
+TEST_CASE("in every scene a delta rebuilds the state of any tick from the state of any other tick") {
     SplitMix random(5);
     const int ticks = is_long ? 40 : 12, pairs = is_long ? 200 : 6;
     for (const SceneInfo& info : scenes()) {
@@ -166,7 +166,7 @@ TEST_CASE("every scene: any tick's state comes out of any other's and the delta 
     }
 }
 
-TEST_CASE("a world continues from a delta as if it had run there, and refuses one to another tick") {
+TEST_CASE("a world continues from a delta as from a run of its own and rejects a delta of another tick") {
     const auto game = make_scene("rollback-arena").value();
     ScriptedInputs inputs(*game);
     World here = game->start().value(), there = here.clone();
@@ -187,7 +187,7 @@ TEST_CASE("a world continues from a delta as if it had run there, and refuses on
     CHECK(there.hash() == hash);
 }
 
-TEST_CASE("of a pyramid that sleeps a delta is a tick's number and what stands around it") {
+TEST_CASE("the delta of a sleeping pyramid holds the tick number and format overhead in at most 120 bytes") {
     World world = scene::made(World::create(scene::drowsy_def()));
     scene::add_floor(world);
     scene::add_pyramid(world, 8);
@@ -203,7 +203,8 @@ TEST_CASE("of a pyramid that sleeps a delta is a tick's number and what stands a
 }
 
 // The bound of 7,240 bytes is an eighth of the state's size when every body had traits of its own (57,921 bytes).
-TEST_CASE("a tick of a game is told in 7,240 bytes, and thirty ticks in a twentieth of its state") {
+TEST_CASE(
+    "a game's delta over one tick is below 7240 bytes and over thirty ticks below a twentieth of the state") {
     const std::vector<State> states = states_of(*make_scene("rollback-arena").value(), 90);
     std::size_t largest = 0, whole = 0;
     for (std::size_t t = 1; t < states.size(); ++t) {

@@ -86,7 +86,7 @@ static_assert(!StateRow<std::string> && !StateRow<std::vector<int>>, "memory els
 
 } // namespace
 
-TEST_CASE("leaves are named by their path, with offset, size, kind and fraction bits") {
+TEST_CASE("leaves_of() names leaves by their path and gives offset and size and kind and fraction bits") {
     const auto leaves = leaves_of<Manifold>();
     REQUIRE(leaves.size() == 5);
     CHECK(leaves[0].name == "key");
@@ -101,7 +101,7 @@ TEST_CASE("leaves are named by their path, with offset, size, kind and fraction 
     CHECK(leaves_of<std::uint32_t>()[0].name == "value");
 }
 
-TEST_CASE("columns lie at multiples of 64 bytes, in order, without overlap, behind the counts") {
+TEST_CASE("columns start at multiples of 64 bytes in order and without overlap after the row counts") {
     const Sample s = make_sample();
     std::size_t end = s.layout->tables().size() * sizeof(std::uint32_t);
     for (const ColumnInfo& column : s.layout->columns()) {
@@ -115,7 +115,7 @@ TEST_CASE("columns lie at multiples of 64 bytes, in order, without overlap, behi
     CHECK(std::ranges::all_of(state.block_bytes(), [](std::byte b) { return b == std::byte{}; }));
 }
 
-TEST_CASE("the schema hash sees every name and format, and no capacity") {
+TEST_CASE("the schema hash depends on every name and format but on no capacity") {
     const auto hash_of = [](std::string table, std::string column, Group group, std::vector<LeafInfo> leaves,
                             std::uint32_t capacity) {
         StateLayout layout;
@@ -137,7 +137,7 @@ TEST_CASE("the schema hash sees every name and format, and no capacity") {
                   1) != reference);
 }
 
-TEST_CASE("rows that go are zeroed, and rows that come back are zero") {
+TEST_CASE("State zeroes the rows that it removes and rows that it adds again are zero") {
     const Sample s = make_sample();
     State state = random_state(s, 8, 400, 3, 1), smaller = state;
     smaller.resize(s.contact, 170);

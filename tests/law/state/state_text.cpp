@@ -7,7 +7,7 @@
 
 namespace lockstone::test {
 
-TEST_CASE("values print as exact decimals up to twelve places, and rounded there beyond") {
+TEST_CASE("values print as exact decimals of up to twelve places and are rounded if they have more") {
     constexpr std::int64_t lowest = std::numeric_limits<std::int64_t>::min();
     constexpr std::int64_t highest = std::numeric_limits<std::int64_t>::max();
     CHECK(decimal_text(0, 32) == "0");
@@ -38,7 +38,7 @@ TEST_CASE("the text of a Real reads back as the same bits") {
     }
 }
 
-TEST_CASE("a difference names the column, row, field and both values, in decimal and raw") {
+TEST_CASE("a state difference names column and row and field and both values in decimal and raw") {
     const Sample s = make_sample();
     State left = random_state(s, 5, 9, 2, 3);
     left.edit_row(s.velocity, 3).y = Speed::from_raw(-655360);
@@ -64,7 +64,7 @@ TEST_CASE("a difference names the column, row, field and both values, in decimal
     CHECK(State::diff(left, right, 0).empty());
 }
 
-TEST_CASE("a dump has one line for each live row, with every field") {
+TEST_CASE("a state dump has one line with every field for each live row") {
     const Sample s = make_sample();
     State state(s.layout);
     CHECK(state.dump().empty());

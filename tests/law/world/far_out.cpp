@@ -46,7 +46,7 @@ double strays_on_platform(double x, double speed, std::uint32_t bounds_shift) {
 
 } // namespace
 
-TEST_CASE("a plane holds what lies on it wherever it is") {
+TEST_CASE("a plane holds a ball that lies on it at any distance from the origin") {
     for (const std::uint32_t shift : {0u, 4u, 8u})
         for (const double y : {0.0, -33000.0, -40000.0, -1e6, -9e8, 33000.0, 1e6, 9e8}) {
             INFO("shift ", shift, ", y ", y);
@@ -63,7 +63,7 @@ TEST_CASE("a plane holds what lies on it wherever it is") {
             }
 }
 
-TEST_CASE("what moves together keeps its contacts wherever it is") {
+TEST_CASE("bodies that move together keep their contacts at any distance from the origin") {
     for (const std::uint32_t shift : {0u, 2u})
         for (const double x : {0.0, 30000.0, 40000.0, -40000.0, 200000.0, 9e8, -9e8})
             for (const double speed : {0.0, 2.0, 20.0, 100.0}) {

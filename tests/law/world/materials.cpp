@@ -76,7 +76,7 @@ double slide(World& w, double x, double z, double speed) {
 
 } // namespace
 
-TEST_CASE("a ray tells the triangle that was handed over and its material, though baking moved it") {
+TEST_CASE("a ray hit reports the source triangle and its material although baking moves triangles") {
     const Floor floor(9, [](int x, int z) { return static_cast<std::uint16_t>(1000 + 10 * x + z); });
     const World w = world_on(floor.baked());
     int moved = 0;
@@ -91,7 +91,7 @@ TEST_CASE("a ray tells the triangle that was handed over and its material, thoug
     CHECK(moved > 100); // planted: the index in the baked mesh is that of another triangle
 }
 
-TEST_CASE("contacts and events tell the triangle, cell or part and its material of both sides") {
+TEST_CASE("contacts and events report the triangle or cell or part and its material of both sides") {
     const Floor floor(9, by_quarter);
     World w = world_on(floor.baked(), weightless());
     for (std::uint32_t t = 1; t < floor.triangles.size(); t += 3) {
@@ -113,8 +113,8 @@ TEST_CASE("contacts and events tell the triangle, cell or part and its material 
     }
 }
 
-TEST_CASE("friction, bounce and a conveyor's speed are those of the triangle, what is not listed is as the "
-          "shape says") {
+TEST_CASE(
+    "a triangle sets friction and bounce and conveyor speed and the shape sets them for unlisted materials") {
     const Floor floor(17, by_quarter);
     World w = world_on(floor.baked(), small_def(), {.friction = real(0.5), .friction_mix = Mix::multiply});
     // On rubber v^2 / (2 mu g) with 0.6 * 0.5; on ice the whole way.
@@ -132,7 +132,7 @@ TEST_CASE("friction, bounce and a conveyor's speed are those of the triangle, wh
     CHECK(highest == test::about(2.3, 0.03));
 }
 
-TEST_CASE("planted fault: the same floor without surfaces slides, carries and bounces otherwise") {
+TEST_CASE("planted fault: a floor without surfaces lets boxes slide less far and carries no crate") {
     const Floor floor(17, by_quarter);
     World w = world_on(floor.baked({}), small_def(), {.friction = real(0.5), .friction_mix = Mix::multiply});
     CHECK(slide(w, -6, 4, 2) < 1);
@@ -143,7 +143,7 @@ TEST_CASE("planted fault: the same floor without surfaces slides, carries and bo
 }
 
 TEST_CASE(
-    "a crate half on ice and half on rubber touches each in a manifold of its own, one surface is merged") {
+    "a crate half on ice and half on rubber has a manifold with each and only one where surfaces are equal") {
     const Floor floor(17, [](int x, int) { return x < 0 ? rubber : ice; });
     const auto materials_under = [&](std::span<const MaterialSurface> list) {
         World w = world_on(floor.baked(list));
@@ -161,7 +161,7 @@ TEST_CASE(
     CHECK(materials_under({}).size() == 1);
 }
 
-TEST_CASE("cells of a height field: rays, contacts, surfaces and wheels feel theirs") {
+TEST_CASE("rays and contacts and surfaces and wheels use the material of their height field cell") {
     constexpr std::uint32_t samples = 9;
     const std::vector<Length> heights(samples * samples, Length{});
     std::vector<std::uint8_t> cells;
@@ -187,7 +187,7 @@ TEST_CASE("cells of a height field: rays, contacts, surfaces and wheels feel the
     CHECK(slide(w, 13, 2, 2) == test::about(2, 0.01));
 }
 
-TEST_CASE("of a compound a hit and a contact tell the part, and the shape's own material") {
+TEST_CASE("a hit and a contact with a compound report the part and the shape's own material") {
     AssetLibrary library;
     std::vector<CompoundPart> parts;
     for (int i = 0; i < 12; ++i)
@@ -209,7 +209,7 @@ TEST_CASE("of a compound a hit and a contact tell the part, and the shape's own 
     }
 }
 
-TEST_CASE("what a mesh has none of is not in its bytes: the old version is read and written as it was") {
+TEST_CASE("a mesh stores no empty sections and the old version is read and written unchanged") {
     const auto version_of = [](const AssetBytes& bytes) { return static_cast<int>(bytes[10]); };
     const Floor small(1, by_quarter); // a degenerate triangle comes first, so baking moves the others
     CHECK(version_of(small.baked({})) == 1);
@@ -229,7 +229,8 @@ TEST_CASE("what a mesh has none of is not in its bytes: the old version is read 
     CHECK(library.add(bad).error().message.find("checksum") != std::string::npos);
 }
 
-TEST_CASE("lists of surfaces that are out of order, too long or out of range are refused, and named") {
+TEST_CASE("bake_mesh() rejects surface lists that are out of order or too long or out of range and names the "
+          "fault") {
     Floor floor(1, by_quarter);
     const auto why = [&](std::vector<MaterialSurface> list) {
         const auto baked =

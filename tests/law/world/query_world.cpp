@@ -105,7 +105,7 @@ Differences differences(const Assets& assets, const World& w, const World& other
 
 } // namespace
 
-TEST_CASE("the first hit is the first of all hits, which are in order, and any says whether there is one") {
+TEST_CASE("a cast returns the first of all hits and sorts all hits and an any cast reports if there is one") {
     const Assets assets;
     World w = crowd(assets, 80);
     for (int t = 0; t < 30; ++t) w.tick();
@@ -123,7 +123,7 @@ TEST_CASE("the first hit is the first of all hits, which are in order, and any s
     CHECK(several > 200);
 }
 
-TEST_CASE("planted: hits out of order, lost, moved or denied are noticed") {
+TEST_CASE("planted: the test detects hits that are out of order or lost or moved or denied") {
     const Assets assets;
     const World w = crowd(assets, 80);
     RandomPoint random(3);
@@ -143,7 +143,7 @@ TEST_CASE("planted: hits out of order, lost, moved or denied are noticed") {
     CHECK(noticed == planted);
 }
 
-TEST_CASE("what a ray or a shape meets does not depend on the order in which things were made") {
+TEST_CASE("ray and shape casts do not depend on the order in which bodies were created") {
     const Assets assets;
     std::vector<int> order(60);
     std::iota(order.begin(), order.end(), 0);
@@ -159,7 +159,7 @@ TEST_CASE("what a ray or a shape meets does not depend on the order in which thi
     CHECK(differences(assets, w, other, 1000).wrong > 0);
 }
 
-TEST_CASE("overlap, nearest and distance agree, and a damaged answer is noticed") {
+TEST_CASE("overlap and nearest and distance queries agree and the test detects a damaged answer") {
     const Assets assets;
     World w = crowd(assets, 60);
     for (int t = 0; t < 20; ++t) w.tick();
@@ -190,7 +190,7 @@ TEST_CASE("overlap, nearest and distance agree, and a damaged answer is noticed"
     CHECK(noticed == planted);
 }
 
-TEST_CASE("filters: categories, kinds, sensors and the own body") {
+TEST_CASE("query filters select by category and body kind and sensor and ignored body") {
     World w = made(World::create(small_def()));
     const auto ball = [&](double x, const BodyKind kind, std::uint32_t category, std::uint32_t mask,
                           std::uint32_t sensor) {
@@ -219,13 +219,13 @@ TEST_CASE("filters: categories, kinds, sensors and the own body") {
     CHECK(to_double(hits[0].point.x) == test::about(1.5));
 }
 
-TEST_CASE("casts that leave overlaps out give the other hits of casts that see them") {
+TEST_CASE("casts without overlaps return the other hits of casts with overlaps") {
     int left_out = 0;
     for (std::uint64_t seed = 1; seed <= 8; ++seed) CHECK(test::overlaps_seen_fault(seed, left_out) == "");
     CHECK(left_out > 100);
 }
 
-TEST_CASE("batches answer like single rays, as many as there is room for") {
+TEST_CASE("cast_rays() returns the hits of single rays for as many rays as the output has room") {
     const Assets assets;
     const World w = crowd(assets, 40);
     RandomPoint random(8);
@@ -238,7 +238,7 @@ TEST_CASE("batches answer like single rays, as many as there is room for") {
     CHECK(wrong == 0);
 }
 
-TEST_CASE("far from the origin and over 16 km a ray meets what it should") {
+TEST_CASE("a ray finds the right hit far from the origin and over 16 km") {
     World w = made(World::create(weightless()));
     const double far = 20000;
     const BodyId ball = add_ball(w, at(far, far, -far), 0.5);

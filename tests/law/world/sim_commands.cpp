@@ -10,7 +10,7 @@
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
-TEST_CASE("an id is dead once its object is destroyed, though its slot lives again") {
+TEST_CASE("an id is dead after its object is destroyed even when its slot is used again") {
     World w = made(World::create(small_def()));
     const BodyId first = made(w.create_body({}));
     const ShapeId shape = made(w.create_shape(first, {}));
@@ -25,7 +25,7 @@ TEST_CASE("an id is dead once its object is destroyed, though its slot lives aga
     CHECK(made(w.create_shape(second, {})).generation == shape.generation + 1);
 }
 
-TEST_CASE("an id minted after a snapshot is dead after its restore, and creating again gives the same id") {
+TEST_CASE("an id created after a snapshot is dead after its restore and creating again gives the same id") {
     World w = made(World::create(small_def()));
     add_floor(w);
     Image image;
@@ -41,7 +41,7 @@ TEST_CASE("an id minted after a snapshot is dead after its restore, and creating
     CHECK((made(w.create_shape(body, {})) == shape));
 }
 
-TEST_CASE("destroying bodies in any order leaves every other id, row and game column with its own body") {
+TEST_CASE("destroying bodies in any order keeps ids and rows and game columns of all other bodies") {
     World w = made(World::create(small_def(), script_schema()));
     std::vector<std::pair<BodyId, int>> living;
     std::uint32_t random = 12345;
@@ -72,7 +72,7 @@ TEST_CASE("destroying bodies in any order leaves every other id, row and game co
     }
 }
 
-TEST_CASE("a full world refuses more of each kind, names the limit and stays as it was") {
+TEST_CASE("a full world rejects more objects of each kind and names the limit and stays unchanged") {
     WorldDef def = small_def();
     def.bodies_max = 3, def.shapes_max = 4, def.fields_max = 2, def.joints_max = 2;
     World w = made(World::create(def));
@@ -88,7 +88,7 @@ TEST_CASE("a full world refuses more of each kind, names the limit and stays as 
     CHECK(refusal_fault(w, CreateJoint{joint}, "joints_max is 2") == "");
 }
 
-TEST_CASE("rotations, kinds of shapes, planes that move and forces out of range are refused") {
+TEST_CASE("commands reject bad rotations and shape kinds and planes that move and forces out of range") {
     World w = made(World::create(small_def()));
     const BodyId body = made(w.create_body({}));
     const auto with = [](auto def, auto change) {
@@ -107,15 +107,13 @@ TEST_CASE("rotations, kinds of shapes, planes that move and forces out of range 
     for (const auto& [command, words] : rows) CHECK(refusal_fault(w, command, words) == "");
 }
 
-TEST_CASE(
-    "planted fault: a command that is accepted, or refused for another reason, does not pass for refused") {
+TEST_CASE("planted fault: the test detects a command that is accepted or rejected for another reason") {
     World w = made(World::create(small_def()));
     CHECK(refusal_fault(w, CreateBody{}, "") == "create_body was accepted");
     CHECK(refusal_fault(w, DestroyBody{}, "bodies_max") != "");
 }
 
-TEST_CASE("game columns and records are saved, hashed, restored, carried in portable images and freed with "
-          "the body") {
+TEST_CASE("game columns and records are saved and hashed and restored and portable and freed with the body") {
     World w = made(World::create(small_def(), script_schema()));
     const BodyId a = made(w.create_body({})), b = made(w.create_body({}));
     const std::uint64_t empty = w.hash();
@@ -159,7 +157,7 @@ template <class Held> std::string value_fault(const Held& good) {
 
 } // namespace
 
-TEST_CASE("a large definition in a command is a value, and so is the command") {
+TEST_CASE("a copy of a command with a large definition has a definition of its own") {
     CHECK(value_fault(Indirect<JointDef>(hinge_joint())) == "");
     Command command = CreateJoint{hinge_joint()};
     const Command copy = command;
@@ -170,6 +168,6 @@ TEST_CASE("a large definition in a command is a value, and so is the command") {
     CHECK(std::get<CreateJoint>(command).def->kind == JointKind::hinge);
 }
 
-TEST_CASE("planted: a definition that copies of a command share is noticed") {
+TEST_CASE("planted: the test detects a definition that copies of a command share") {
     CHECK(value_fault(std::make_shared<JointDef>(hinge_joint())) == "a copy shares the definition");
 }

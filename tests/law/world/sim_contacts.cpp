@@ -97,7 +97,7 @@ double slide_angle(double friction, double direction) {
 
 } // namespace
 
-TEST_CASE("a ball bounces to restitution squared of its height, and not at all at 0") {
+TEST_CASE("a ball bounces to restitution squared times its height") {
     for (double e : {0.5, 0.8, 1.0}) {
         const std::vector<double> heights = bounces(e, 4);
         const std::vector<HeightRange> expected = bounces_expected(e);
@@ -112,7 +112,7 @@ TEST_CASE("a ball bounces to restitution squared of its height, and not at all a
     }
 }
 
-TEST_CASE("planted fault: restitution 0.8 is told from 0.79, at the first bounce") {
+TEST_CASE("planted fault: the test distinguishes restitution 0.8 from 0.79 at the first bounce") {
     CHECK(bounces(0.79, 1)[0] < bounces_expected(0.8)[0].least);
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("a ball without restitution stays where it lands") {
     CHECK_FALSE(highest_after(0.15) < 1e-5); // planted: an impact at 7.7 m/s, a rebound at 1.2
 }
 
-TEST_CASE("a ball rolls down a plane that leans any way without slipping, at 5/7 of g sin") {
+TEST_CASE("a ball rolls down a plane of any direction without slipping at 5/7 of g sin(angle)") {
     for (double angle : {5.0, 15.0, 30.0})
         for (double yaw : {0.0, 30.0}) {
             INFO(angle, " degrees, turned by ", yaw);
@@ -154,7 +154,7 @@ TEST_CASE("a ball rolls down a plane that leans any way without slipping, at 5/7
         }
 }
 
-TEST_CASE("a block holds on an incline up to atan(friction), in every direction") {
+TEST_CASE("a block holds on an incline of up to atan(friction) in every direction") {
     for (double friction : {0.2, 0.6, 1.0})
         for (double direction : {0.0, 45.0, 73.0}) {
             const double angle = slide_angle(friction, direction * degree);
@@ -184,7 +184,7 @@ TEST_CASE("a sliding block slows down by friction times g") {
     CHECK(std::abs(v[0] - 2 * v[2]) < 480 * 3 * speed_step); // a step along each axis per substep
 }
 
-TEST_CASE("two bodies that collide in space keep their momentum and, elastic, their energy") {
+TEST_CASE("two bodies that collide in space keep their momentum and elastic bodies also keep their energy") {
     for (double e : {0.0, 0.5, 1.0}) {
         World w = made(World::create(weightless()));
         add(w, {.pose = at(-2, 0, 0), .linear_velocity = vec(5, 0, 0), .mass = Real(3)},
@@ -276,7 +276,7 @@ TEST_CASE("a cloud of bodies in space keeps its momentum through all collisions"
     CHECK(length(momentum(w) - before) / mass < 3 * speed_step / 2 * std::sqrt(16 * 300.0 / 40));
 }
 
-TEST_CASE("the contact points of a body are those of the tick that name its shapes") {
+TEST_CASE("the contact points of a body are the points of the tick that name one of its shapes") {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) CHECK(test::body_points_fault(seed) == "");
 }
 
@@ -335,7 +335,7 @@ Growth growth_of_crowd(double restitution, int pushed_at) {
 
 } // namespace
 
-TEST_CASE("energy never grows in a closed scene that nothing drives") {
+TEST_CASE("energy never grows in a closed scene without motors or forces") {
     for (double restitution : {0.0, 0.5, 1.0}) {
         const Growth growth = growth_of_crowd(restitution, -1);
         CHECK(growth.above_first <= 0);
@@ -343,7 +343,7 @@ TEST_CASE("energy never grows in a closed scene that nothing drives") {
         CHECK(growth.landed < growth_max);
     }
 }
-TEST_CASE("planted fault: one body of thirty that is pushed is found by the energy of all") {
+TEST_CASE("planted fault: the energy of all thirty bodies reveals a push on one of them") {
     const Growth growth = growth_of_crowd(0, 600);
     CHECK_FALSE(growth.unexplained < growth_max);
     CHECK_FALSE(growth.landed < growth_max);

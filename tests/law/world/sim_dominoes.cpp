@@ -52,7 +52,7 @@ double wave_speed(std::uint32_t substeps, double friction = 0.25) {
 
 } // namespace
 
-TEST_CASE("a wave of dominoes goes as fast with 16 substeps as with 4") {
+TEST_CASE("a wave of dominoes moves as fast with 16 substeps as with 4") {
     const double coarse = wave_speed(4), fine = wave_speed(16), smooth = wave_speed(16, 0.21);
     std::printf("  wave of dominoes: %.4f m/s with 4 substeps, %.4f with 16; smoother ones %.4f\n", coarse,
                 fine, smooth);

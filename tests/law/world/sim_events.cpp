@@ -116,7 +116,7 @@ TEST_CASE("a contact begins once when bodies meet and ends once when they part")
     CHECK(next_events(w) == "contact_begin");
 }
 
-TEST_CASE("a sensor reports who enters and leaves, and stops nobody") {
+TEST_CASE("a sensor reports the bodies that enter and leave and stops none of them") {
     World w = made(World::create(small_def()));
     const BodyId ball = add_ball(w, at(0, 3, 0), 0.25);
     const BodyId gate = made(w.create_body({.kind = BodyKind::static_}));
@@ -167,7 +167,7 @@ TEST_CASE(
     CHECK(kinds(w) == "contact_begin contact_end");
 }
 
-TEST_CASE("events keep their order, alternate per pair and balance, in scenes where everything happens") {
+TEST_CASE("events keep their order and alternate per pair and balance in all sceneries") {
     for (Scenery scenery : sceneries) {
         INFO(std::string(name_of(scenery)));
         World w = start_script(scenery);
@@ -190,8 +190,8 @@ TEST_CASE("events keep their order, alternate per pair and balance, in scenes wh
     }
 }
 
-TEST_CASE(
-    "what falls asleep, wakes, breaks and lands in one tick is in the order of kinds, joints and bodies") {
+TEST_CASE("sleep and wake and break and landing in one tick are reported in the order of kinds and joints "
+          "and bodies") {
     EventfulWorld e;
     std::array<std::size_t, 4> most{};
     int both = 0;
@@ -212,7 +212,8 @@ TEST_CASE(
     CHECK(both > 0);
 }
 
-TEST_CASE("planted fault: events that are published when they are known, not in order, are found out") {
+TEST_CASE(
+    "planted fault: the test detects events that are published when they are found instead of in order") {
     EventfulWorld e;
     std::vector<Event> events;
     do {
@@ -236,7 +237,7 @@ TEST_CASE("planted fault: events that are published when they are known, not in 
     CHECK(out_of_order(twice) != "");
 }
 
-TEST_CASE("contact points are those of the tick, whatever was done before they are asked for") {
+TEST_CASE("contacts() returns the points of the tick regardless of commands before the call") {
     for (const Scenery scenery : {Scenery::stack, Scenery::pile})
         CHECK_MESSAGE(late_points_difference(scenery, 400) == "", late_points_difference(scenery, 400));
     CHECK_MESSAGE(points_of_sleepers_difference(400) == "", points_of_sleepers_difference(400));
@@ -255,7 +256,7 @@ TEST_CASE("there are no events after a restore until the next tick") {
     CHECK(w.contacts().empty());
 }
 
-TEST_CASE("shapes meet when each one's category is in the other's mask") {
+TEST_CASE("two shapes touch when each one's category is in the other's mask") {
     const ShapeDef plain{};
     CHECK(touching_in_space(plain, plain));
     CHECK(touching_in_space({.category = 2, .mask = 4}, {.category = 4, .mask = 2}));
@@ -264,7 +265,8 @@ TEST_CASE("shapes meet when each one's category is in the other's mask") {
     CHECK(!touching_in_space({.category = 0}, plain));
 }
 
-TEST_CASE("a common positive group always meets, a negative one never, different groups ask the masks") {
+TEST_CASE(
+    "shapes in a common positive group always touch and in a negative one never and others use the masks") {
     const ShapeDef plain{};
     CHECK(touching_in_space({.category = 0, .mask = 0, .group = 3}, {.category = 0, .mask = 0, .group = 3}));
     CHECK(!touching_in_space({.group = -3}, {.group = -3}));
@@ -273,7 +275,7 @@ TEST_CASE("a common positive group always meets, a negative one never, different
     CHECK(touching_in_space({.group = -3}, plain));
 }
 
-TEST_CASE("shapes of one body, two sensors, and bodies that nothing moves do not meet") {
+TEST_CASE("shapes of one body and two sensors and two static or kinematic bodies do not touch") {
     World w = made(World::create(weightless()));
     const BodyId pair = add(w, {}, {.geometry = sphere(real(0.5))});
     made(w.create_shape(pair, {.geometry = sphere(real(0.5)), .local = at(0.2, 0, 0)}));

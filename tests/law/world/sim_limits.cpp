@@ -176,7 +176,7 @@ bool sound(const World& w, World& loader) { return loader.restore_portable(w.sav
 
 } // namespace
 
-TEST_CASE("a velocity beyond the limit is clamped to 500 m/s, and counted") {
+TEST_CASE("the tick clamps a velocity beyond the limit to 500 m/s and counts a fault") {
     World w = made(World::create(small_def()));
     const BodyId b =
         add(w, {.linear_velocity = vec(500, 0, 0), .mass = Real(1)}, {.geometry = sphere(real(0.5))});
@@ -191,7 +191,7 @@ TEST_CASE("a velocity beyond the limit is clamped to 500 m/s, and counted") {
 }
 
 TEST_CASE(
-    "a contact far out on two bodies that spin and fly beyond every limit stays within the arithmetic") {
+    "a contact on long arms of bodies beyond every speed limit stays within the range of the arithmetic") {
     // Rows and velocities at their largest, all of one sign: without the limits their product would not fit 64 bits.
     World w = made(World::create(weightless()));
     const Vec3 tip = vec(0, 20, -20), apart = vec(0.25, 0.25, 0.25);
@@ -214,7 +214,7 @@ TEST_CASE(
     CHECK(length(velocity(w, b)) < 500.01);
 }
 
-TEST_CASE("a position stops at a thousand million metres, and is counted") {
+TEST_CASE("the tick clamps a position to a thousand million metres and counts a fault") {
     World w = made(World::create(weightless()));
     const BodyId b = add(w, {.pose = at(999'999'990, -999'999'990, 0), .linear_velocity = vec(300, -300, 0)},
                          {.geometry = sphere(real(0.5))});
@@ -230,7 +230,7 @@ TEST_CASE("a quiet world counts no faults") {
     CHECK(w.faults() == Faults{});
 }
 
-TEST_CASE("bodies beyond every mass limit still collide with shares that add up") {
+TEST_CASE("bodies beyond every mass limit still collide with impulse shares that add up") {
     World w = made(World::create(weightless()));
     const ShapeDef huge{
         .geometry = box(real(50), real(50), real(50)), .density = Real(100000), .restitution = Real(1)};
@@ -242,8 +242,7 @@ TEST_CASE("bodies beyond every mass limit still collide with shares that add up"
     CHECK(velocity(w, b)[0] == test::about(5, 0.02));
 }
 
-TEST_CASE(
-    "thousands of random commands break nothing: each is applied, or refused with a sentence and no change") {
+TEST_CASE("a world applies each of thousands of random commands or rejects it with an error and no change") {
     const std::uint64_t seeds = std::getenv("LOCKSTONE_LONG") != nullptr ? 400 : 20;
     std::uint64_t applied = 0, refused = 0, contacts = 0;
     for (std::uint64_t seed = 0; seed < seeds; ++seed) {

@@ -46,7 +46,7 @@ BodyId add_block(World& w, const Block& block, BodyDef body = {}) { return add(w
 
 } // namespace
 
-TEST_CASE("a force changes momentum by force times time, a torque angular momentum, whatever the mass") {
+TEST_CASE("a force changes momentum by force times time regardless of the mass and acts for one tick") {
     for (double scale : {0.1, 1.0, 30.0}) {
         World w = made(World::create(weightless()));
         const Block block{{0.5 * scale, 0.25 * scale, 1.0 * scale}};
@@ -61,7 +61,7 @@ TEST_CASE("a force changes momentum by force times time, a torque angular moment
     }
 }
 
-TEST_CASE("a torque about a principal axis turns by torque over inertia") {
+TEST_CASE("a torque about a principal axis changes the spin by torque over inertia") {
     const Block block{{0.5, 0.25, 1.0}};
     for (int axis = 0; axis < 3; ++axis)
         for (bool turned_body : {false, true}) {
@@ -77,7 +77,7 @@ TEST_CASE("a torque about a principal axis turns by torque over inertia") {
         }
 }
 
-TEST_CASE("a force at a point is the force at the centre and its torque about the centre") {
+TEST_CASE("a force at a point equals the force at the centre with its torque about the centre") {
     World left = made(World::create(weightless())), right = made(World::create(weightless()));
     const Block block{{0.5, 0.25, 1.0}};
     const BodyDef body{.pose = at(7, 8, 9)};
@@ -88,7 +88,7 @@ TEST_CASE("a force at a point is the force at the centre and its torque about th
     CHECK(difference(left, right) == "");
 }
 
-TEST_CASE("an impulse changes velocity at once, by impulse over mass and by the moment over inertia") {
+TEST_CASE("an impulse changes velocity at once by impulse over mass and spin by its moment over inertia") {
     World w = made(World::create(weightless()));
     const Block block{{0.5, 0.25, 1.0}};
     const BodyId b = add_block(w, block, {.pose = at(1, 1, 1)});
@@ -100,7 +100,7 @@ TEST_CASE("an impulse changes velocity at once, by impulse over mass and by the 
     CHECK(length(spin(w, b)) < 8e-6);
 }
 
-TEST_CASE("damping lets speed and spin fade as exp(-damping t), to first order in the substep") {
+TEST_CASE("damping reduces speed and spin as exp(-damping t) to first order in the substep") {
     World w = made(World::create(weightless()));
     const BodyId b = add(w,
                          {.linear_velocity = vec(10, 0, 0),
@@ -115,7 +115,7 @@ TEST_CASE("damping lets speed and spin fade as exp(-damping t), to first order i
     CHECK(spin(w, b)[1] == test::about(5 * std::exp(-4.0), 4 * h * 2 / 2 + 1e-4));
 }
 
-TEST_CASE("gravity scale multiplies gravity for one body: upwards, none, three times") {
+TEST_CASE("the gravity scale multiplies gravity for one body by -1 or 0 or 3") {
     World w = made(World::create(small_def()));
     const double scales[] = {-1, 0, 3};
     for (double scale : scales) {
@@ -126,7 +126,7 @@ TEST_CASE("gravity scale multiplies gravity for one body: upwards, none, three t
     }
 }
 
-TEST_CASE("static bodies never move, whatever is done to them or falls on them") {
+TEST_CASE("static bodies never move under velocities or forces or impulses or a falling crate") {
     World w = made(World::create(small_def()));
     add_floor(w);
     const BodyId table = add_wall(w, at(0, 1, 0), vec(1, 0.2, 1));
@@ -140,7 +140,7 @@ TEST_CASE("static bodies never move, whatever is done to them or falls on them")
     CHECK(w.mass(table) == Real{});
 }
 
-TEST_CASE("a kinematic body moves at its velocity, is pushed by nothing and carries what stands on it") {
+TEST_CASE("a kinematic body moves at its velocity without being pushed and carries a crate on it") {
     World w = made(World::create(small_def()));
     const BodyId lift = add(w, {.kind = BodyKind::kinematic, .pose = at(0, 0, 0)},
                             {.geometry = box(real(2), real(0.25), real(2))});
@@ -156,7 +156,7 @@ TEST_CASE("a kinematic body moves at its velocity, is pushed by nothing and carr
     CHECK(length(velocity(w, crate) - D3{0.5, 1, -0.25}) < 0.005);
 }
 
-TEST_CASE("what stands on a kinematic turntable turns with it") {
+TEST_CASE("a crate on a kinematic turntable turns with it") {
     World w = made(World::create(small_def()));
     add(w, {.kind = BodyKind::kinematic, .angular_velocity = vec(0, 1, 0)},
         {.geometry = box(real(2), real(0.25), real(2))});

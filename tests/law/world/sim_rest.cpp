@@ -64,7 +64,7 @@ bool long_run() { return std::getenv("LOCKSTONE_LONG") != nullptr; }
 
 } // namespace
 
-TEST_CASE("a stack of 10 boxes stands for 1,200 ticks") {
+TEST_CASE("a stack of 10 boxes stays up for 1200 ticks") {
     World w = piles_world();
     add_floor(w);
     const Rest r = print("stack of 10", rest_after(w, add_stack(w, 10), 1200));
@@ -80,7 +80,7 @@ TEST_CASE("planted fault: a stack of 11 boxes sinks in deeper than one of 10") {
     CHECK(rest_after(w, add_stack(w, 11), 1200).penetration != test::about(2 * 9 * g * give(w.def()), 0.02));
 }
 
-TEST_CASE("pyramids of base 20 and 40 stand for 1,200 ticks") {
+TEST_CASE("pyramids of base 20 and 40 stay up for 1200 ticks") {
     for (const int base : {20, 40}) {
         if (base == 40 && !long_run()) continue;
         World w = piles_world();
@@ -96,7 +96,7 @@ TEST_CASE("pyramids of base 20 and 40 stand for 1,200 ticks") {
     }
 }
 
-TEST_CASE("a single ball, capsule and box rest without jitter") {
+TEST_CASE("a single ball or capsule or box rests without jitter") {
     const Geometry shapes[] = {sphere(real(0.5)), capsule(real(0.3), real(0.5)),
                                box(real(0.5), real(0.25), real(0.4))};
     for (const Geometry& shape : shapes) {
@@ -116,7 +116,7 @@ TEST_CASE("a single ball, capsule and box rest without jitter") {
     }
 }
 
-TEST_CASE("a box that lands flat stays where it landed, from 0.1 m to 20 m") {
+TEST_CASE("a box that lands flat from 0.1 m to 20 m stays where it landed") {
     const D3 halves[] = {{0.5, 0.5, 0.5}, {1, 0.1, 0.5}, {0.1, 1, 0.1}, {1, 0.1, 0.1}};
     for (const D3& half : halves)
         for (double height : {0.1, 1.0, 5.0, 20.0})
@@ -146,7 +146,7 @@ TEST_CASE("a box that bounces flat does not tumble") {
     CHECK(std::abs(position(w, b)[1] - (0.5 - g * give(w.def()) / 4)) < stays);
 }
 
-TEST_CASE("a box that lands flat on another stays on it") {
+TEST_CASE("a box that lands flat on another box stays on it") {
     World w = made(World::create(small_def()));
     add_floor(w);
     const BodyId lower = add_crate(w, at(0, 0.5, 0)), upper = add_crate(w, at(0, 4, 0));

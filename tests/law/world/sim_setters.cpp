@@ -124,20 +124,21 @@ const auto zero_the_rest = [](auto& command) {
 
 } // namespace
 
-TEST_CASE("a setter changes the one setting that it is given, of bodies, surfaces, filters and masses") {
+TEST_CASE(
+    "setters of bodies and surfaces and filters and masses change only the settings that they are given") {
     CHECK(faults_of(parameters, {}, as_it_is) == std::vector<std::string>{});
     CHECK(faults_of(material, {}, as_it_is) == std::vector<std::string>{});
     CHECK(faults_of(filter, {}, as_it_is) == std::vector<std::string>{});
     CHECK(faults_of(masses, mass_names, as_it_is) == std::vector<std::string>{});
 }
 
-TEST_CASE("planted setters that zero what is not named are noticed") {
+TEST_CASE("planted: the test detects setters that zero the settings that are not given") {
     CHECK(faults_of(parameters, {}, zero_the_rest).size() == 8);
     CHECK(faults_of(material, {}, zero_the_rest).size() == 4);
     CHECK(faults_of(filter, {}, zero_the_rest).size() == 3);
 }
 
-TEST_CASE("a setting that is neither given nor left out is refused by name") {
+TEST_CASE("a setter rejects a setting that is neither given nor left out and names it") {
     Scene scene = make_scene();
     SetBodyParameters bad{.body = scene.body};
     bad.drag_scale.given = 2;
@@ -149,7 +150,7 @@ TEST_CASE("a setting that is neither given nor left out is refused by name") {
     REQUIRE(!scene.world.set_filter(odd));
 }
 
-TEST_CASE("whatever has been set can be asked for") {
+TEST_CASE("World returns each setting that was set") {
     Scene scene = make_scene();
     World& world = scene.world;
     const BodyId other = made(world.create_body({}));
@@ -187,7 +188,7 @@ TEST_CASE("whatever has been set can be asked for") {
     CHECK(numbers_of(world.body(scene.body)) == numbers_of(now));
 }
 
-TEST_CASE("a pose without a rotation is not turned") {
+TEST_CASE("a pose without a rotation has the identity rotation") {
     CHECK(Transform{.position = vec(1, 2, 3)}.rotation == Quat::identity());
     CHECK(Transform{} == Transform::identity());
     World world = made(World::create(small_def()));
@@ -195,7 +196,7 @@ TEST_CASE("a pose without a rotation is not turned") {
     CHECK(world.pose(body).rotation == Quat::identity());
 }
 
-TEST_CASE("a size beyond what a length can say is told as that, with the limit and the way around it") {
+TEST_CASE("validate() reports a size beyond the range of Length with the limit and the way around it") {
     const std::string fault = validate(sphere(500_r));
     CHECK(
         fault ==

@@ -29,7 +29,7 @@ Stray stray_of(const Geometry& geometry, const Transform& pose,
 
 } // namespace
 
-TEST_CASE("what stands on a flat side stands still: on a plane, on a box") {
+TEST_CASE("shapes on a flat side stay still on a plane and on a box") {
     const Zoo zoo = make_zoo();
     const std::tuple<const char*, Geometry, Transform> standing[] = {
         {"cylinder upright", cylinder(0.4_r, 0.5_r), at(0, 0.5, 0)},
@@ -53,7 +53,7 @@ TEST_CASE("what stands on a flat side stands still: on a plane, on a box") {
         }
 }
 
-TEST_CASE("a cylinder rolls down a slope at 2/3 g sin, smoothly") {
+TEST_CASE("a cylinder rolls smoothly down a slope at 2/3 of g sin(angle)") {
     World w = made(World::create(small_def()));
     add(w, {.kind = BodyKind::static_, .pose = at(0, 0, 0, turned(axis_z, -10))},
         {.geometry = box(60_r, 0.5_r, 5_r)});
@@ -74,7 +74,7 @@ TEST_CASE("a cylinder rolls down a slope at 2/3 g sin, smoothly") {
     CHECK(std::abs(position(w, b)[2]) < 0.005);    // straight
 }
 
-TEST_CASE("towers of cylinders, of hulls and of mixed shapes stand") {
+TEST_CASE("towers of cylinders and of hulls and of rounded boxes stay up") {
     const Zoo zoo = make_zoo();
     const Geometry flat_hull = instance(ShapeKind::hull, zoo.hull);
     for (const auto& [name, geometry, half] :
@@ -94,7 +94,7 @@ TEST_CASE("towers of cylinders, of hulls and of mixed shapes stand") {
     }
 }
 
-TEST_CASE("bodies of every shape come to rest on waves, on a step and on a plane, and none falls through") {
+TEST_CASE("bodies of every shape come to rest on waves and on a step and on a plane and none falls through") {
     const Zoo zoo = make_zoo();
     World w = zoo_world(zoo, 2);
     for (int t = 0; t < 2700; ++t) w.tick(); // the ball rolls to and fro in the waves for most of that time
@@ -104,7 +104,7 @@ TEST_CASE("bodies of every shape come to rest on waves, on a step and on a plane
     CHECK(w.faults() == Faults{});
 }
 
-TEST_CASE("shapes stand on a static box, cylinder and cone of a kilometre, far out from its middle") {
+TEST_CASE("shapes rest on a static box and cylinder of a kilometre far from its middle") {
     const Zoo zoo = make_zoo();
     const std::pair<Geometry, double> grounds[] = {{scaled(box(62.5_r, 1_r, 62.5_r), 8_r), 8},
                                                    {scaled(cylinder(62.5_r, 1_r), 8_r), 8}};

@@ -37,7 +37,7 @@ double speed_after_rolling(double resistance, double radius) {
 
 } // namespace
 
-TEST_CASE("a conveyor carries what lies on it at its own speed, in its own direction, and stops when told") {
+TEST_CASE("a conveyor carries a crate at its speed and in its direction until the speed is set to zero") {
     World w = made(World::create(small_def()));
     const BodyId belt = add(w, {.kind = BodyKind::static_, .pose = at(0, -0.5, 0, turned(axis_y, 90))},
                             {.geometry = box(50_r, 0.5_r, 50_r), .surface_velocity = vec(3, 0, 0)});
@@ -51,8 +51,7 @@ TEST_CASE("a conveyor carries what lies on it at its own speed, in its own direc
     CHECK(std::abs(velocity(w, crate)[2]) < 0.001);
 }
 
-TEST_CASE(
-    "rolling resistance brakes a ball as the torque coefficient * weight does, and holds it on a slope") {
+TEST_CASE("rolling resistance brakes a ball like the torque coefficient * weight and holds it on a slope") {
     // For a solid ball that rolls: (7/5) m a = -c m g / r.
     for (const auto& [resistance, radius] : {std::pair(0.01, 0.5), {0.02, 0.5}, {0.005, 0.1}}) {
         const double slower = resistance * 9.81 / radius * 5 / 7 * 2;
@@ -70,7 +69,7 @@ TEST_CASE(
     CHECK(length(spin(w, b)) < 0.002);
 }
 
-TEST_CASE("mixing rules: of two different ones the one further down the list holds") {
+TEST_CASE("a pair with two different mixing rules uses the rule that is later in the list") {
     const auto slowed = [](double coefficient) { return 10 - coefficient * 9.81; };
     const double a = 0.6, b = 0.1; // the crate's rule is always the geometric mean, the lowest in the list
     CHECK(speed_after_sliding(Mix::geometric_mean, a, b) == test::about(slowed(std::sqrt(a * b)), 0.01));
@@ -98,7 +97,7 @@ TEST_CASE("a one-way platform lets a crate up through it and carries it from abo
     }
 }
 
-TEST_CASE("a pair that is told not to touch does not, until told otherwise or one of them is gone") {
+TEST_CASE("a pair filter stops contacts of two bodies until it is removed or a body is destroyed") {
     World w = made(World::create(small_def()));
     const BodyId floor = add_wall(w, at(0, -0.5, 0), vec(10, 0.5, 10));
     const BodyId ghost = add_crate(w, at(0, 2, 0)), crate = add_crate(w, at(3, 2, 0));
@@ -119,7 +118,7 @@ TEST_CASE("a pair that is told not to touch does not, until told otherwise or on
     CHECK_FALSE(w.set_pair_filter(crate, crate, false));
 }
 
-TEST_CASE("a shape's filter changes at once") {
+TEST_CASE("set_filter() changes a shape's filter at once") {
     World w = made(World::create(small_def()));
     add_floor(w);
     const BodyId b = add_crate(w, at(0, 0.5, 0));
@@ -129,7 +128,7 @@ TEST_CASE("a shape's filter changes at once") {
     CHECK(position(w, b)[1] < -3);
 }
 
-TEST_CASE("a mass, centre and inertia given by command hold, and go back to those of the shapes") {
+TEST_CASE("set_mass() sets mass and centre and inertia and a zero mass returns to those of the shapes") {
     World w = made(World::create(weightless()));
     const BodyId b = add_crate(w, at(0, 0, 0));
     const Real before = w.mass(b);
@@ -148,7 +147,7 @@ TEST_CASE("a mass, centre and inertia given by command hold, and go back to thos
     CHECK_FALSE(w.set_mass({b, Real(1), {}, vec(0, 1, 1), Quat::identity()}));
 }
 
-TEST_CASE("a manifold is made anew only when its shapes have moved against each other") {
+TEST_CASE("a manifold is rebuilt only when its shapes have moved relative to each other") {
     World w = made(World::create(small_def()));
     add_floor(w);
     const std::vector<BodyId> stack = add_stack(w, 3);

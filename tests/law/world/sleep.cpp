@@ -42,7 +42,7 @@ int ticks_of_swing(double frequency, double amplitude) {
 
 } // namespace
 
-TEST_CASE("a box at rest sleeps after the sleep time, with one event, and stands still to the bit") {
+TEST_CASE("a box at rest sleeps after the sleep time with one event and then keeps every bit of its pose") {
     World w = made(World::create(drowsy_def()));
     add_floor(w);
     const BodyId crate = crate_at(w, 0, 0.5);
@@ -61,7 +61,7 @@ TEST_CASE("a box at rest sleeps after the sleep time, with one event, and stands
     CHECK(w.events().empty());
 }
 
-TEST_CASE("nothing sleeps in a world that is told so, nor while it moves") {
+TEST_CASE("bodies do not sleep in a world without sleeping or while they move") {
     WorldDef def = drowsy_def();
     def.sleeping = 0;
     World sleepless = made(World::create(def));
@@ -82,15 +82,15 @@ TEST_CASE("nothing sleeps in a world that is told so, nor while it moves") {
     CHECK(!w.is_awake(still));
 }
 
-TEST_CASE("what swings on the spot sleeps, unless it swings as far as the sleep speed goes in the sleep "
-          "time, or fast") {
+TEST_CASE("a body that swings sleeps unless it is fast or swings as far as the sleep speed goes in the sleep "
+          "time") {
     CHECK(ticks_of_swing(2, 0.006) <= 40); // at most 75 mm/s, 12 mm from one end to the other
     // 113 mm/s, but always 20 mm from the place where its measure started
     CHECK(ticks_of_swing(0.9, 0.02) == 45);
     CHECK(ticks_of_swing(4, 0.006) == 45); // 150 mm/s
 }
 
-TEST_CASE("an island sleeps and wakes as a whole, and its neighbour does not notice") {
+TEST_CASE("an island sleeps and wakes as a whole and its neighbour stays asleep") {
     World w = made(World::create(drowsy_def()));
     add_floor(w);
     std::vector<BodyId> tower, other;
@@ -111,8 +111,8 @@ TEST_CASE("an island sleeps and wakes as a whole, and its neighbour does not not
     CHECK(ticks_to_sleep(w, tower[0], 200) < 200);
 }
 
-TEST_CASE(
-    "what falls on a sleeper wakes it in the tick of the touch, and it moves as if it had never slept") {
+TEST_CASE("a body that falls on a sleeper wakes it in the tick of the touch and it moves as if it had never "
+          "slept") {
     WorldDef sleepless_def = drowsy_def();
     sleepless_def.sleeping = 0;
     const auto start = [](const WorldDef& def) {
@@ -142,7 +142,8 @@ TEST_CASE(
     CHECK(length(off) < real(0.01)); // sleep removed a velocity below 0.05 m/s
 }
 
-TEST_CASE("a joint, a kinematic body that starts, a floor that goes: each wakes what it holds") {
+TEST_CASE(
+    "a joint and a kinematic body that starts and a floor that is destroyed wake the bodies that they hold") {
     World w = made(World::create(drowsy_def()));
     const BodyId floor = add_floor(w);
     const BodyId lift = add(w, {.kind = BodyKind::kinematic, .pose = at(-4, 0.25, 0)},
@@ -178,7 +179,8 @@ TEST_CASE("a joint, a kinematic body that starts, a floor that goes: each wakes 
     CHECK(w.pose(rider).position.y > real(0.5)); // still on the lift
 }
 
-TEST_CASE("gravity, fields, filters, materials, shapes and static bodies wake whom they concern") {
+TEST_CASE(
+    "changes of gravity or fields or filters or materials or shapes or static bodies wake affected bodies") {
     const auto woken_by = [](auto&& command) {
         World w = made(World::create(drowsy_def()));
         const BodyId floor = add_floor(w);
@@ -215,7 +217,7 @@ TEST_CASE("gravity, fields, filters, materials, shapes and static bodies wake wh
           Woken{false, false, false});
 }
 
-TEST_CASE("an awake body that only comes near leaves a sleeper alone") {
+TEST_CASE("an awake body that comes near without a touch does not wake a sleeper") {
     World w = made(World::create(drowsy_def()));
     add_floor(w);
     const BodyId crate = crate_at(w, 0, 0.5);
@@ -229,8 +231,7 @@ TEST_CASE("an awake body that only comes near leaves a sleeper alone") {
     CHECK(w.pose(crate).position.x > real(0.01));
 }
 
-TEST_CASE("contacts of sleepers are remembered: no event of an end, none of a beginning, and the tower wakes "
-          "standing") {
+TEST_CASE("contacts of sleepers are kept so that a tower wakes upright without a begin or end event") {
     World w = made(World::create(drowsy_def()));
     add_floor(w);
     std::vector<BodyId> tower;
@@ -270,7 +271,7 @@ std::string sleeper_fault(World& w, BodyId body) {
 
 } // namespace
 
-TEST_CASE("a body that is made asleep stands still, shapes and all, and is there for casts and images") {
+TEST_CASE("a body that is created asleep keeps still with its shapes and is part of casts and images") {
     World w = made(World::create(drowsy_def()));
     const BodyId crate = sleeper_at(w, 0, 5);
     made(w.create_shape(crate, {.geometry = sphere(real(0.25)), .local = at(1, 0, 0)}));
@@ -287,7 +288,7 @@ TEST_CASE("a body that is made asleep stands still, shapes and all, and is there
     CHECK(sleeper_fault(other, crate) == "");
 }
 
-TEST_CASE("planted: a body that starts awake, and one that a shape woke, are noticed") {
+TEST_CASE("planted: the test detects a body that starts awake and a body that was woken") {
     World w = made(World::create(drowsy_def()));
     CHECK(sleeper_fault(w, sleeper_at(w, 0, 5, 1)) == "it is awake");
     World woken = made(World::create(drowsy_def()));
@@ -296,8 +297,8 @@ TEST_CASE("planted: a body that starts awake, and one that a shape woke, are not
     CHECK(sleeper_fault(woken, crate) == "there is an event");
 }
 
-TEST_CASE(
-    "what comes near wakes a pile that was made asleep, from body to body, and then it is like any other") {
+TEST_CASE("a ball wakes a pile that was created asleep from body to body and the pile then behaves like any "
+          "other") {
     World w = made(World::create(drowsy_def()));
     add_floor(w);
     std::vector<BodyId> pile;
@@ -319,7 +320,7 @@ TEST_CASE(
     CHECK(w.is_awake(pile[0]));
 }
 
-TEST_CASE("a body starts asleep only where it can: dynamic, without velocity, in a world that sleeps") {
+TEST_CASE("only a dynamic body without velocity in a world with sleeping starts asleep") {
     World w = made(World::create(drowsy_def()));
     for (const BodyDef& moving : {BodyDef{.linear_velocity = vec(0, 1, 0), .awake = 0},
                                   BodyDef{.angular_velocity = vec(0, 0, 1), .awake = 0}})

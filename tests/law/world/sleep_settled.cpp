@@ -18,7 +18,7 @@ TEST_CASE("a body that begins inside another one sleeps outside of it") {
         CHECK(buried_body_fault(static_cast<std::uint64_t>(seed)) == "");
 }
 
-TEST_CASE("overlap is pushed out at push_speed_max, and at a tenth of it where a joint holds the body") {
+TEST_CASE("the solver pushes overlap out at push_speed_max and at a tenth of it if a joint holds the body") {
     for (int seed = 1; seed <= tries(60); ++seed) CHECK(push_fault(static_cast<std::uint64_t>(seed)) == "");
 }
 

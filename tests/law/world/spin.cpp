@@ -214,29 +214,29 @@ TEST_CASE("a wheel that turns on a rod carries it around its pivot") {
 }
 
 TEST_CASE(
-    "planted fault: a top or a wheel that spins a tenth slower, or feels no gyroscopic torque, goes astray") {
+    "planted fault: the test detects a top or wheel that spins a tenth slower or lacks gyroscopic torque") {
     CHECK(astray(lone_top(30, 0.9), 10) != "");
     CHECK(astray(wheel_on_rod(30, 0.9), 10) != "");
     CHECK(astray(lone_top(30, 1, 0), 10) != "");
 }
 
-TEST_CASE("a body that tumbles about a fixed point keeps energy, momentum and rhythm") {
+TEST_CASE("a body that tumbles about a fixed point keeps its energy and momentum and flip rate") {
     CHECK(astray(20, 0.0004) == "");
     CHECK(astray(40, 0.001) == "");
 }
 
-TEST_CASE("planted fault: without gyroscopic torque a body that tumbles goes astray") {
+TEST_CASE("planted fault: the test detects a body that tumbles without gyroscopic torque") {
     CHECK(astray(20, 0.0004, 0) != "");
 }
 
-TEST_CASE("what hits the floor while it spins fast gains no energy to speak of") {
+TEST_CASE("a body that hits the floor at a fast spin gains little energy") {
     for (const double friction : {0.0, 0.5}) {
         CHECK(most_energy(30, friction) < 1.05);
         CHECK(most_energy(80, friction) < 1.25);
     }
 }
 
-TEST_CASE("planted fault: energy that is put in while bodies spin is found") {
+TEST_CASE("planted fault: the test detects energy that is added while bodies spin") {
     CHECK(most_energy(30, 0.5, 0.9) > 1.05);
     CHECK(most_energy(80, 0.5, 0.9) > 1.25);
 }

@@ -120,7 +120,7 @@ TEST_CASE("bodies that spin freely at up to two metres a tick keep energy and mo
     CHECK(astray(cylinder(real(0.5), real(0.01)), {60, 300, 0}) == "");
 }
 
-TEST_CASE("a thin stick precesses about its momentum as the closed form says") {
+TEST_CASE("a thin stick precesses about its momentum as in the closed form") {
     for (const D3 spin : {D3{15, 4.5, 0}, D3{3, 0.5, 0}, D3{0.5, 30, 0}, D3{60, 20, 0}}) {
         CAPTURE(spin[0]);
         CHECK(off_closed_form(capsule(real(0.02), real(0.4)), spin) < 0.002);
@@ -128,7 +128,7 @@ TEST_CASE("a thin stick precesses about its momentum as the closed form says") {
     }
 }
 
-TEST_CASE("thin rods that hit the floor as they spin gain no energy to speak of") {
+TEST_CASE("thin rods that hit the floor as they spin gain little energy") {
     for (const double speed : {3.0, 10.0, 30.0}) {
         CAPTURE(speed);
         CHECK(most_energy_on_floor(0.01, 0.4, speed) < 1.25);

@@ -174,7 +174,7 @@ Tally shoot(Wall wall, Shot shot, int count, bool continuous) {
 
 } // namespace
 
-TEST_CASE("no shot passes through a thin wall, whatever its shape") {
+TEST_CASE("thin walls of every shape stop shots of every shape") {
     for (int wall = 0; wall < static_cast<int>(Wall::count); ++wall)
         for (int shot = 0; shot < static_cast<int>(Shot::count); ++shot) {
             const Tally t = shoot(static_cast<Wall>(wall), static_cast<Shot>(shot), samples(6, 160), true);
@@ -183,7 +183,7 @@ TEST_CASE("no shot passes through a thin wall, whatever its shape") {
         }
 }
 
-TEST_CASE("planted: without continuous collision shots get through") {
+TEST_CASE("planted: shots pass through walls without continuous collision") {
     int through = 0;
     for (const Wall wall : {Wall::slab, Wall::two_sided, Wall::compound})
         for (const Shot shot : {Shot::ball, Shot::cube, Shot::needle})

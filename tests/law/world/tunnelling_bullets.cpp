@@ -82,7 +82,7 @@ TEST_CASE("bullets never pass through thin bodies that move") {
     CHECK(resting.hits > resting.shots / 2);
 }
 
-TEST_CASE("nothing passes through kinematic plates, bullet or not") {
+TEST_CASE("kinematic plates stop all bodies whether they are bullets or not") {
     struct Kind {
         bool bullet, resting;
     };
@@ -93,7 +93,7 @@ TEST_CASE("nothing passes through kinematic plates, bullet or not") {
     }
 }
 
-TEST_CASE("planted: bodies that are no bullets pass through thin dynamic ones") {
+TEST_CASE("planted: bodies that are not bullets pass through thin dynamic bodies") {
     CHECK(shoot_plates(100, BodyKind::dynamic, false, false).through > 10);
 }
 
@@ -128,7 +128,7 @@ TEST_CASE("bullets never pass through each other") {
     CHECK(touched > count / 3);
 }
 
-TEST_CASE("a sweep does not hold up what slides over seams") {
+TEST_CASE("a sweep does not slow down a body that slides over seams") {
     // A frictionless ball slides as far as without sweeps on one slab, on tiles (whose seams give contacts) and on a
     // mesh.
     const auto slide = [](int kind, std::uint32_t continuous) {
@@ -163,7 +163,8 @@ TEST_CASE("a sweep does not hold up what slides over seams") {
     for (int kind = 0; kind < 3; ++kind) CHECK(slide(kind, 1) == slide(kind, 0));
 }
 
-TEST_CASE("a shot stops at what it hits, keeps its velocity in that tick, and is sent back by the next") {
+TEST_CASE(
+    "a shot stops at the wall that it hits and keeps its velocity in that tick and bounces in the next") {
     World w = made(World::create(weightless()));
     add_wall(w, at(0, 0, 0), vec(1, 1, 0.005));
     const BodyId ball = add(w, {.pose = at(0, 0, -3), .linear_velocity = vec(0, 0, 300)},
@@ -175,7 +176,7 @@ TEST_CASE("a shot stops at what it hits, keeps its velocity in that tick, and is
     CHECK(velocity(w, ball)[2] < -250);
 }
 
-TEST_CASE("a sweep heeds filters: sensors, groups and masks let a shot pass") {
+TEST_CASE("a sweep obeys filters so that sensors and groups and masks let a shot pass") {
     const auto passes = [](const ShapeDef& wall_shape, const ShapeDef& ball_shape) {
         World w = made(World::create(weightless()));
         add(w, {.kind = BodyKind::static_}, wall_shape);
@@ -214,7 +215,7 @@ std::vector<Real> heights_of_shot(double speed, int driven_plates, double slab_s
 
 } // namespace
 
-TEST_CASE("how a shot meets a kinematic body that stands still does not depend on what is driven elsewhere") {
+TEST_CASE("a shot at a kinematic body at rest does not depend on bodies that are driven elsewhere") {
     int told_apart = 0;
     for (double speed = 0.5; speed < 300; speed *= 1.3) {
         CAPTURE(speed);

@@ -84,19 +84,19 @@ std::string complaint(const Setting& setting, int count) {
 
 } // namespace
 
-TEST_CASE("a one-way platform stops a shot from above and lets one from below pass as fast as it came") {
+TEST_CASE("a one-way platform stops a shot from above and lets a shot from below pass at its full speed") {
     const int count = samples(60, 2000);
     CHECK(complaint({.from_above = true}, count) == "");
     CHECK(complaint({.from_above = false}, count) == "");
 }
 
-TEST_CASE("a one-way platform that flies meets what is above it and passes what is below") {
+TEST_CASE("a moving one-way platform hits bodies above it and passes bodies below it") {
     const int count = samples(60, 2000);
     CHECK(complaint({.kind = BodyKind::kinematic, .from_above = true, .platform_flies = true}, count) == "");
     CHECK(complaint({.kind = BodyKind::kinematic, .from_above = false, .platform_flies = true}, count) == "");
 }
 
-TEST_CASE("planted: a platform that stops both sides, and one that is not swept against, are noticed") {
+TEST_CASE("planted: the test detects a platform that stops both sides and a platform without a sweep") {
     CHECK(complaint({.from_above = false, .one_way = 0}, 30) != "");
     CHECK(complaint({.from_above = true, .continuous = 0}, 30) != "");
 }

@@ -13,7 +13,7 @@ using namespace lockstone;
 using namespace lockstone::zoo;
 using namespace lockstone::test;
 
-TEST_CASE("objects of any proportion gain no energy, however they fall") {
+TEST_CASE("objects of any proportion gain no energy in any fall") {
     const int count = is_long_run() ? 100'000 : tries(300);
     int faults = 0;
     for (int seed = 1; seed <= count; ++seed) {
@@ -26,7 +26,7 @@ TEST_CASE("objects of any proportion gain no energy, however they fall") {
     CHECK(faults <= count / 20'000); // pushing out a depth of metres at 30 Hz adds energy
 }
 
-TEST_CASE("a prism whose sides are flat to micrometres lies on every floor, and sleeps") {
+TEST_CASE("a prism whose sides are flat to micrometres comes to rest on every floor and sleeps") {
     const int count = is_long_run() ? 20'000 : tries(140);
     for (int seed = 1; seed <= count; ++seed) {
         const Drop drop = draw_flat_prism(static_cast<std::uint64_t>(seed));
@@ -37,7 +37,7 @@ TEST_CASE("a prism whose sides are flat to micrometres lies on every floor, and 
     }
 }
 
-TEST_CASE("a ball that the sweep stops has the speed of the fall that it made") {
+TEST_CASE("a ball that the sweep stops has the speed of the distance that it fell") {
     for (int seed = 1; seed <= tries(300); ++seed)
         CHECK(stopped_fall_fault(static_cast<std::uint64_t>(seed)) == "");
 }

@@ -7,7 +7,8 @@
 
 using namespace lockstone::test::features;
 
-TEST_CASE("heaps that roll, bounce, slide and are locked have the same bits by any lanes and workers") {
+TEST_CASE("heaps that roll and bounce and slide and have locked axes get the same bits with any lanes and "
+          "workers") {
     std::uint64_t seed = 1;
     for (const std::uint32_t bodies : {40u, 150u, 400u, 900u})
         for (const unsigned features :

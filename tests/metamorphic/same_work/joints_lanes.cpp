@@ -148,7 +148,7 @@ struct TurnedFour {
 
 // source: the error of three terms of the series for a turn of 1 / 16 rad about each axis is 4e-11; rounding adds some
 // 2^-30.
-TEST_CASE("held bodies are turned by rotations, to the same bits in lanes of every width") {
+TEST_CASE("rotations turn held bodies to the same bits in lanes of every width") {
     for (const Simd level : every_simd) {
         if (!has_simd(level)) continue;
         INFO(std::string(name_of(level)));
@@ -170,7 +170,7 @@ TEST_CASE("held bodies are turned by rotations, to the same bits in lanes of eve
     }
 }
 
-TEST_CASE("inverses of packed joints are those of plain integers in lanes of every width") {
+TEST_CASE("inverses of packed joints equal those of plain integers in lanes of every width") {
     constexpr int packs = 20000;
     for (const Simd level : every_simd) {
         if (!has_simd(level)) continue;
@@ -194,7 +194,7 @@ TEST_CASE("inverses of packed joints are those of plain integers in lanes of eve
 
 // The planks of the bridge turn fast enough to be followed. NEON once lost small changes of their velocities.
 TEST_CASE(
-    "every instruction set gives the bits of plain integers, with joints of every kind and on a bridge") {
+    "every instruction set gives the bits of plain integers with joints of every kind and on a bridge") {
     struct Case {
         const char* scene;
         std::uint32_t size;

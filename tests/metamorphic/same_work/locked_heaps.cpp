@@ -35,7 +35,7 @@ World heap(int bodies, std::uint32_t locks, int step, std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("lanes of every width give the same bits where bodies are locked") {
+TEST_CASE("lanes of every width give the same bits to locked bodies") {
     for (const auto& [locks, step] : {std::pair{lock_planar_xy, 2}, std::pair{lock_linear_z, 1}})
         for (std::uint64_t seed = 1; seed <= 12; ++seed) {
             World plain = heap(40, locks, step, seed);
@@ -53,7 +53,7 @@ TEST_CASE("lanes of every width give the same bits where bodies are locked") {
         }
 }
 
-TEST_CASE("workers give the same bits where bodies are locked") {
+TEST_CASE("workers give the same bits to locked bodies") {
     const auto pool = make_worker_pool(4);
     for (const auto& [locks, step] : {std::pair{lock_planar_xy, 2}, std::pair{lock_linear_z, 1}}) {
         World alone = heap(1200, locks, step, 1), shared = heap(1200, locks, step, 1);

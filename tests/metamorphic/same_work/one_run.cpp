@@ -20,7 +20,8 @@ struct Phases final : PhaseObserver {
 
 } // namespace
 
-TEST_CASE("islands that do all passes of a tick in a row end as those of which each does a pass at a time") {
+TEST_CASE(
+    "islands that run all passes of a tick in sequence end like islands that each run a pass at a time") {
     constexpr int count = 4000;
     const auto pool = make_worker_pool(2);
     ShuffledTasks shuffled(5, 2);
@@ -44,7 +45,8 @@ TEST_CASE("islands that do all passes of a tick in a row end as those of which e
     }
 }
 
-TEST_CASE("a deep pile whose passes are one run on several workers ends as on one, where each is a run") {
+TEST_CASE(
+    "a deep pile with all passes in one run on several workers ends like one with a run for each pass") {
     const auto game = make_scene("pyramid").value();
     World alone = game->start().value(), shared = alone.clone();
     const auto pool = make_worker_pool(2);
@@ -63,8 +65,7 @@ TEST_CASE("a deep pile whose passes are one run on several workers ends as on on
 
 // A lift without contacts is in no strand. It once stayed in place where all passes were one run, and where islands ran
 // all of their passes.
-TEST_CASE(
-    "a lift that touches nothing moves and turns, whether passes are one by one, one run or by island") {
+TEST_CASE("a lift without contacts moves and turns if passes run one by one or in one run or by island") {
     const auto lifted = [](World world, Tasks* tasks, const char* path) {
         const BodyId lift = add(world,
                                 {.kind = BodyKind::kinematic,

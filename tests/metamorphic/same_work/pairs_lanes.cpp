@@ -110,7 +110,7 @@ std::string differ(const Sample& sample, const Found& a, const Found& b) {
 
 } // namespace
 
-TEST_CASE("pairs in lanes have the bits of one lane") {
+TEST_CASE("pairs in lanes get the same bits as in one lane") {
     using solve::PairWork;
     std::size_t served = 0, levels = 0;
     for (const Simd level : {Simd::sse41, Simd::avx2, Simd::avx512, Simd::neon, Simd::wasm128}) {
@@ -131,7 +131,7 @@ TEST_CASE("pairs in lanes have the bits of one lane") {
     CHECK((levels == 0 || served > 1000 * levels)); // of 10,150 for each level
 }
 
-TEST_CASE("planted: one step of one number of a pair is noticed") {
+TEST_CASE("planted: the check finds one step of one number of a pair") {
     Sample sample(1);
     const Found before(sample, solve::PairWork::recycle, Simd::scalar);
     std::size_t at = 0;

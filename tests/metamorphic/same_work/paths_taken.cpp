@@ -31,7 +31,7 @@ void tick_both(World& alone, World& shared, int ticks) {
 
 } // namespace
 
-TEST_CASE("each path has a name of its own, and no tick took a path before the first one") {
+TEST_CASE("each path has a unique name and no path is taken before the first tick") {
     const auto names = testing::path_names();
     CHECK(std::set(names.begin(), names.end()).size() == names.size());
     CHECK(names.size() <= testing::PathSet{}.size());
@@ -42,7 +42,7 @@ TEST_CASE("each path has a name of its own, and no tick took a path before the f
     CHECK(testing::paths_taken(world.clone()).none());
 }
 
-TEST_CASE("a deep pile takes one strand alone and many strands on workers, and packs that it made before") {
+TEST_CASE("a deep pile takes one strand on one thread and many strands on workers and keeps earlier packs") {
     const auto game = make_scene("pyramid").value();
     World alone = game->start().value(), shared = alone.clone();
     const auto pool = make_worker_pool(2);
@@ -63,7 +63,7 @@ TEST_CASE("a deep pile takes one strand alone and many strands on workers, and p
     CHECK(took(alone, "manifold_kept"));
 }
 
-TEST_CASE("towers take islands, and pass after pass where a joint moves bodies too") {
+TEST_CASE("towers run their passes by island and one by one if a joint also moves bodies") {
     Islands islands = towers(4000), passes = towers(4000);
     add_pendulum(passes.world);
     for (int t = 0; t < 12; ++t) islands.world.tick(), passes.world.tick();
@@ -73,7 +73,7 @@ TEST_CASE("towers take islands, and pass after pass where a joint moves bodies t
     CHECK_FALSE(took(passes.world, "passes_by_island"));
 }
 
-TEST_CASE("lanes, and a net of joints on workers, choose paths") {
+TEST_CASE("lanes and workers choose the paths of a net of joints") {
     World wide = net(12), scalar = wide.clone();
     REQUIRE(scalar.set_simd(Simd::scalar));
     const auto pool = make_worker_pool(3);
@@ -91,7 +91,7 @@ TEST_CASE("lanes, and a net of joints on workers, choose paths") {
     CHECK_FALSE(took(wide, "held_by_workers"));
 }
 
-TEST_CASE("planted fault: a set of paths of the tick before is not that of this tick") {
+TEST_CASE("planted fault: the set of paths of the previous tick differs from the set of this tick") {
     World world = towers(40).world;
     world.tick();
     CHECK(took(world, "step_new"));

@@ -31,7 +31,7 @@ std::vector<Answers> ask_at_once(const World& w, const Assets& assets, int count
 
 } // namespace
 
-TEST_CASE("four threads that ask a world at once are told what one alone is told") {
+TEST_CASE("four threads that query a world at once get the answers of one thread alone") {
     const Assets assets;
     World w = crowd(assets, 60);
     for (int round = 0; round < 6; ++round) {
@@ -49,7 +49,7 @@ TEST_CASE("four threads that ask a world at once are told what one alone is told
     }
 }
 
-TEST_CASE("planted fault: answers of a world that is a tick further are noticed in every thread") {
+TEST_CASE("planted fault: the check finds answers of a world that is one tick ahead in every thread") {
     const Assets assets;
     World w = crowd(assets, 60);
     for (int t = 0; t < 5; ++t) w.tick();

@@ -18,7 +18,7 @@ const int tick_count = is_long ? 600 : 40, pool_ticks = is_long ? 200 : 3;
 
 } // namespace
 
-TEST_CASE("every scene has the same hashes on 1, 2, 3, 8 and 16 workers as on none") {
+TEST_CASE("every scene has the same hashes on 1 and 2 and 3 and 8 and 16 workers as on none") {
     std::vector<std::unique_ptr<Tasks>> pools;
     std::vector<Tasks*> tasks;
     for (const std::uint32_t workers : {1u, 2u, 3u, 8u, 16u}) {
@@ -32,7 +32,7 @@ TEST_CASE("every scene has the same hashes on 1, 2, 3, 8 and 16 workers as on no
     }
 }
 
-TEST_CASE("every scene has the same hashes when its tasks run in random order, and there are such tasks") {
+TEST_CASE("every scene has the same hashes with tasks in random order and the scenes run such tasks") {
     std::uint64_t runs = 0, items = 0;
     for (const SceneInfo& info : scenes()) {
         INFO(info.name);
@@ -45,7 +45,7 @@ TEST_CASE("every scene has the same hashes when its tasks run in random order, a
     CHECK(items > 2 * runs);
 }
 
-TEST_CASE("every scene has the same hashes when its workers are interrupted at random") {
+TEST_CASE("every scene has the same hashes with workers that are interrupted at random") {
     UnsteadyTasks three(3, 7), eight(8, 8);
     for (const SceneInfo& info : scenes()) {
         INFO(info.name);
@@ -56,7 +56,7 @@ TEST_CASE("every scene has the same hashes when its workers are interrupted at r
 
 // Workers share passes from some hundred contacts or joints on. Ragdolls in a heap come apart, and the solver closes
 // their joints.
-TEST_CASE("heaps, walls, ragdolls and nets that workers share have the same hashes") {
+TEST_CASE("heaps and walls and ragdolls and nets that workers share have the same hashes") {
     const auto two = make_worker_pool(2), eight = make_worker_pool(8);
     ShuffledTasks shuffled(11, 2), many(12, 7);
     const std::array<Tasks*, 4> tasks{two.get(), eight.get(), &shuffled, &many};
@@ -71,14 +71,14 @@ TEST_CASE("heaps, walls, ragdolls and nets that workers share have the same hash
 
 // A host that runs one strand after the previous one has ended: a joint that does not wait for another strand's joint
 // is solved too early. This test once found packs with strands that held other joints than packs without.
-TEST_CASE("many joints are solved in order by a host that does one strand after the other") {
+TEST_CASE("a host that runs strands in sequence solves many joints in order") {
     ShuffledTasks pairs(3, 2), eights(4, 8);
     const World start = net(40);
     CHECK(first_departure(start, std::array<Tasks*, 2>{&pairs, &eights}, is_long ? 100 : 20,
                           [](World& w, Tasks*) { w.tick(); }) == "");
 }
 
-TEST_CASE("contacts beyond the capacity are dropped alike") {
+TEST_CASE("workers drop the same contacts beyond the capacity as one thread") {
     WorldDef def = scene::small_def();
     def.bodies_max = def.shapes_max = 300;
     def.contacts_max = 130;
@@ -94,7 +94,7 @@ TEST_CASE("contacts beyond the capacity are dropped alike") {
     CHECK(world.faults().contacts_dropped > 0);
 }
 
-TEST_CASE("tasks are no part of a world: a clone has none, and they can change between ticks") {
+TEST_CASE("tasks are not part of a world: a clone has none and tasks can change between ticks") {
     const auto game = small_scene(*find_scene("pile"));
     World world = game->start().value();
     ShuffledTasks first(1), second(2);
@@ -114,7 +114,7 @@ TEST_CASE("tasks are no part of a world: a clone has none, and they can change b
     CHECK(world.hash() == copy.hash());
 }
 
-TEST_CASE("the thread that ticks on a pool allocates no more than one that ticks alone") {
+TEST_CASE("the thread that ticks on a pool allocates no more than a thread that ticks alone") {
     const auto allocations = [](Tasks* tasks) {
         const auto game = make_scene("pyramid", {.size = 12}).value();
         World world = game->start().value();

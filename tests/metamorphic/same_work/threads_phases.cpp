@@ -117,7 +117,7 @@ int noticed(const World& start, int ticks) {
 
 } // namespace
 
-TEST_CASE("a hundred and sixty fast bodies stop at the same places, whoever sweeps them") {
+TEST_CASE("a hundred and sixty fast bodies stop at the same places on any workers") {
     ShuffledTasks shuffled(3), many(4, 64);
     UnsteadyTasks three(3, 5);
     CHECK(departure(volley(), std::array<Tasks*, 2>{&shuffled, &many}, 12) == "");
@@ -129,7 +129,7 @@ TEST_CASE("a hundred and sixty fast bodies stop at the same places, whoever swee
     CHECK(stopped > 40);
 }
 
-TEST_CASE("vehicles drive alike, alone and on common ground, whoever solves them") {
+TEST_CASE("vehicles alone and on common ground drive alike on any workers") {
     ShuffledTasks shuffled(3), many(4, 64);
     UnsteadyTasks three(3, 5);
     const Motorcade start = motorcade();
@@ -137,7 +137,8 @@ TEST_CASE("vehicles drive alike, alone and on common ground, whoever solves them
     CHECK(departure(start.w, std::array<Tasks*, 1>{&three}, 2) == "");
 }
 
-TEST_CASE("vehicles that share nothing do not see in which order they were made; those on one raft do") {
+TEST_CASE(
+    "vehicles that share nothing do not depend on their order of creation and vehicles on one raft do") {
     Motorcade m = motorcade(), reversed = motorcade(true);
     for (int t = 0; t < 90; ++t) m.w.tick(), reversed.w.tick();
     for (BodyId b : m.alone) CHECK(m.w.pose(b) == reversed.w.pose(b));
@@ -146,7 +147,7 @@ TEST_CASE("vehicles that share nothing do not see in which order they were made;
     CHECK(differ > 0);
 }
 
-TEST_CASE("chains on one moving beam swing alike, whoever solves them") {
+TEST_CASE("chains on one moving beam swing alike on any workers") {
     ShuffledTasks shuffled(3), many(4, 64);
     UnsteadyTasks three(3, 5);
     const World start = curtain();
@@ -154,7 +155,7 @@ TEST_CASE("chains on one moving beam swing alike, whoever solves them") {
     CHECK(departure(start, std::array<Tasks*, 1>{&three}, 2) == "");
 }
 
-TEST_CASE("planted fault: fast bodies, vehicles or chains that a worker leaves out are noticed") {
+TEST_CASE("planted fault: the check finds fast bodies or vehicles or chains that a worker leaves out") {
     CHECK(noticed(curtain(), 6) >= 2);
     CHECK(noticed(volley(), 6) >= 2);
     CHECK(noticed(motorcade().w, 20) >= 2);

@@ -4,8 +4,7 @@
 
 #include <doctest/doctest.h>
 
-TEST_CASE("whatever packets of watchers, of those who come in and of desyncs hold, they are read as written "
-          "or not at all") {
+TEST_CASE("spectator, join and desync packets of any bytes are read as written or rejected") {
     const std::vector<fuzz::Buffer> all = fuzz::corpus("guest", fuzz::guest_seeds());
     REQUIRE(all.size() >= 14);
     for (const fuzz::Buffer& bytes : all) CHECK(fuzz::check_guest_packet(bytes) == "");

@@ -55,7 +55,7 @@ struct Tuned {
 
 } // namespace
 
-TEST_CASE("the delay is the way less what may be guessed, within its limits") {
+TEST_CASE("the tuned input delay is the latency minus the allowed rollback within its limits") {
     CHECK(settled({}, {peer(0)}) == 1);
     CHECK(settled({}, {peer(100)}) == 1);
     CHECK(settled({}, {peer(200)}) == 2);                    // 6 ticks
@@ -71,7 +71,7 @@ TEST_CASE("the delay is the way less what may be guessed, within its limits") {
     CHECK(InputDelayTuner({.tick_rate = 0}).update({}) == 1);
 }
 
-TEST_CASE("a way that only trembles moves nothing") {
+TEST_CASE("the tuned input delay stays constant while the latency only jitters") {
     InputDelayTuner tuner({});
     std::uint32_t changes = 0, before = tuner.delay();
     for (std::uint32_t i = 0; i < 36'000; ++i) {
@@ -88,7 +88,7 @@ TEST_CASE("a way that only trembles moves nothing") {
     CHECK(tuner.delay() == 8);
 }
 
-TEST_CASE("machines that tune their delay roll back as far as was asked for, and agree") {
+TEST_CASE("machines with tuned input delay roll back no further than the requested depth and agree") {
     Tuned tuned(true);
     tuned.run(2400, 150);
     MESSAGE("150 ms: delay ", tuned.tuners[0].delay(), ", rollbacks of ", tuned.depth(), " ticks");
@@ -105,7 +105,7 @@ TEST_CASE("machines that tune their delay roll back as far as was asked for, and
     CHECK(tuned.match.machine(0).timeline.end() > 8000);
 }
 
-TEST_CASE("a delay that is not tuned would be noticed") {
+TEST_CASE("machines without tuned input delay roll back further than the requested depth") {
     Tuned planted(false);
     planted.run(2400, 150);
     CHECK(planted.depth() > 6);

@@ -25,14 +25,15 @@ class CountUp final : public InputPredictor {
 
 } // namespace
 
-TEST_CASE("a predictor is told how far it looks ahead") {
+TEST_CASE("an input queue passes the number of ticks to look ahead to its predictor") {
     InputQueue queue(0, 1);
     queue.confirm(input(10));
     CHECK(value_of(queue.use(1, CountUp{})) == 11);
     CHECK(value_of(queue.use(4, CountUp{})) == 14);
 }
 
-TEST_CASE("from a disconnection on inputs are zero, settled and not to be confirmed") {
+TEST_CASE(
+    "an input queue returns settled zeros from a disconnection on and accepts no more confirmed inputs") {
     InputQueue queue(0, 1);
     queue.confirm(input(9));
     for (std::uint64_t tick = 0; tick < 5; ++tick) queue.use(tick, repeat_last_input());
@@ -46,7 +47,7 @@ TEST_CASE("from a disconnection on inputs are zero, settled and not to be confir
     CHECK(queue.next() == 1);
 }
 
-TEST_CASE("a queue agrees with a list that keeps everything, over random use") {
+TEST_CASE("an input queue agrees with a complete list of inputs under random use") {
     test::SplitMix random(3);
     InputQueue queue(0, 1);
     std::vector<unsigned> truth;                // by tick

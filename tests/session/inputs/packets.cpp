@@ -98,7 +98,7 @@ class Mailbox final : public Transport {
 
 } // namespace
 
-TEST_CASE("a packet reads as it was written, field by field, in each form") {
+TEST_CASE("decode() reads every field of a packet as it was written in each form") {
     for (const bool greeting : {false, true})
         for (const bool sealed : {false, true}) {
             CAPTURE(greeting);
@@ -142,7 +142,7 @@ TEST_CASE("a packet reads as it was written, field by field, in each form") {
         }
 }
 
-TEST_CASE("the bytes of a packet are those of the specification") {
+TEST_CASE("the packet writer writes the bytes of the specification") {
     PacketWriter writer;
     Message message{};
     message.sequence = 0x10005;
@@ -181,7 +181,7 @@ TEST_CASE("the bytes of a packet are those of the specification") {
     }
 }
 
-TEST_CASE("a packet never grows beyond its limit; what does not fit waits") {
+TEST_CASE("the packet writer keeps a packet within its limit and leaves out inputs that do not fit") {
     PacketContext wide{1, 16, 64};
     PacketWriter writer;
     Message message{};
@@ -200,7 +200,7 @@ TEST_CASE("a packet never grows beyond its limit; what does not fit waits") {
     CHECK(read.block_count == 16);
 }
 
-TEST_CASE("what an unsealed short packet leaves out is in its checksum") {
+TEST_CASE("the checksum of an unsealed short packet covers the fields that the packet leaves out") {
     const std::vector<std::byte> packet = sample_packet();
     Message read{};
     CHECK_FALSE(decode(packet, context, sender, read));
@@ -215,7 +215,7 @@ TEST_CASE("what an unsealed short packet leaves out is in its checksum") {
     CHECK(decode(packet, context, late, read) == PacketFault::damaged);
 }
 
-TEST_CASE("numbers of 16 bits are told apart where their upper half changes") {
+TEST_CASE("decode() restores full numbers from 16 bits where their upper half changes") {
     for (const std::uint64_t near :
          {std::uint64_t{1}, std::uint64_t{0x7fff}, std::uint64_t{0x8001}, std::uint64_t{0xfffe},
           std::uint64_t{0x10001}, std::uint64_t{0xffff'0000}})
@@ -234,7 +234,7 @@ TEST_CASE("numbers of 16 bits are told apart where their upper half changes") {
         }
 }
 
-TEST_CASE("any flipped bit, any truncation and any extra byte of a packet is noticed") {
+TEST_CASE("decode() detects any flipped bit, any truncation and any extra byte of a packet") {
     for (const bool greeting : {false, true}) {
         const std::vector<std::byte> packet = sample_packet(greeting);
         Message read{};
@@ -251,7 +251,7 @@ TEST_CASE("any flipped bit, any truncation and any extra byte of a packet is not
     }
 }
 
-TEST_CASE("a sealed packet with a wrong field is refused for what is wrong") {
+TEST_CASE("decode() rejects a sealed packet with a wrong field and returns the matching fault") {
     const auto refused = [](std::size_t at, unsigned value, bool greeting = false) {
         std::vector<std::byte> packet = sample_packet(greeting);
         packet[at] = static_cast<std::byte>(value);
@@ -281,8 +281,8 @@ TEST_CASE("a sealed packet with a wrong field is refused for what is wrong") {
     CHECK(refused(block_at + 9, 0xf0) == PacketFault::malformed); // bits after the last
 }
 
-TEST_CASE("inputs of any size and movement come out as they went in, and never take more than three bits "
-          "beside their bytes") {
+TEST_CASE("encoded inputs of any size and movement decode unchanged and take at most three bits beside their "
+          "bytes") {
     test::SplitMix random(7);
     for (const std::uint32_t size : {0u, 1u, 2u, 3u, 8u, 17u, 64u})
         for (int kind = 0; kind < 4; ++kind) {
@@ -309,7 +309,7 @@ TEST_CASE("inputs of any size and movement come out as they went in, and never t
         }
 }
 
-TEST_CASE("a code of inputs that has another form, or an end that is not zeros, is refused") {
+TEST_CASE("the input decoder rejects a code that has a shorter form or an end that is not zeros") {
     const auto ok = [](std::initializer_list<unsigned> bytes, std::uint32_t count) {
         std::vector<std::byte> code;
         for (const unsigned b : bytes) code.push_back(static_cast<std::byte>(b));
@@ -329,7 +329,7 @@ TEST_CASE("a code of inputs that has another form, or an end that is not zeros, 
     CHECK(ok({0b1111, 0, 0}, 1));
 }
 
-TEST_CASE("a hostile peer can send what it likes: the session drops it, counts it and goes on") {
+TEST_CASE("a session drops and counts arbitrary packets of a hostile peer and continues") {
     std::array<std::uint64_t, packet_fault_count> dropped{};
     std::uint64_t ticks = 0, received = 0;
     // short: an accepted lie may stall a match permanently
@@ -383,7 +383,7 @@ TEST_CASE("a hostile peer can send what it likes: the session drops it, counts i
     CHECK(received > 40'000);
 }
 
-TEST_CASE("claims that the sender cannot make are refused whole") {
+TEST_CASE("a session drops a whole packet that contains an implausible claim of its sender") {
     Mailbox mailbox;
     SessionDef def;
     def.input_size = 1;

@@ -63,7 +63,7 @@ void check_joined(Match& match, PeerId who, std::size_t times = 1) {
 
 } // namespace
 
-TEST_CASE("a machine that has lost all its state comes back into its seat") {
+TEST_CASE("a machine that has lost all its state rejoins its seat") {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         const bool lockstep = seed % 3 == 0;
         Match match(of_machines(2 + seed % 2, lockstep, seed));
@@ -83,7 +83,7 @@ TEST_CASE("a machine that has lost all its state comes back into its seat") {
     }
 }
 
-TEST_CASE("a seat that was empty from the start is taken late") {
+TEST_CASE("a machine joins late at a seat that was empty from the start") {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         CAPTURE(seed);
         const std::uint32_t machines = 2 + seed % 2;
@@ -98,7 +98,7 @@ TEST_CASE("a seat that was empty from the start is taken late") {
     }
 }
 
-TEST_CASE("it may fail and come back again and again, and each tick is agreed on") {
+TEST_CASE("a machine fails and rejoins three times and the machines agree on each tick") {
     Match match(of_machines(3, false, 9));
     match.run(200);
     for (std::uint32_t life = 1; life <= 3; ++life) {
@@ -110,7 +110,7 @@ TEST_CASE("it may fail and come back again and again, and each tick is agreed on
     check_joined(match, 1, 3);
 }
 
-TEST_CASE("a machine that only slept goes on with what it has, when it is back before it was dropped") {
+TEST_CASE("a machine that pauses and returns before it is dropped continues with its own state") {
     Match match(of_machines(2, false, 5));
     match.run(200);
     for (int i = 0; i < 50; ++i) match.frame(/*asleep: machine 1*/ 2); // 0.8 s of 1 s, six prediction windows
@@ -120,7 +120,7 @@ TEST_CASE("a machine that only slept goes on with what it has, when it is back b
     CHECK(match.machine(1).timeline.end() > 350);
 }
 
-TEST_CASE("two that come at the same time come one after the other") {
+TEST_CASE("two machines that request to join at the same time join at different ticks") {
     MatchDef def = of_machines(4, false, 11);
     def.absent = 8;
     Match match(def);

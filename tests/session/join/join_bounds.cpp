@@ -92,7 +92,8 @@ struct Newcomer {
 
 } // namespace
 
-TEST_CASE("the newest ticks are kept while somebody listens, and all that somebody is on the way to") {
+TEST_CASE(
+    "a host keeps the newest ticks for listeners and all ticks that a slow listener lacks up to a limit") {
     Log level;
     for (std::uint64_t tick = 0; tick < 3 * two_minutes; ++tick) {
         level.add(tick);
@@ -118,7 +119,7 @@ TEST_CASE("the newest ticks are kept while somebody listens, and all that somebo
     CHECK(told->first == behind.host.log_begin());
 }
 
-TEST_CASE("a large state is kept for as long as eight times of what its chunks take") {
+TEST_CASE("a host keeps a large state for eight times the time that its chunks take") {
     const auto polls_kept = [](std::size_t bytes) {
         Log log;
         log.add(0);
@@ -139,7 +140,7 @@ TEST_CASE("a large state is kept for as long as eight times of what its chunks t
     CHECK(polls_kept(std::size_t{16} << 20) == ((std::size_t{16} << 20) + 959) / 960 * 8 / 2);
 }
 
-TEST_CASE("the ticks after a large state are kept while somebody takes it") {
+TEST_CASE("a host keeps the ticks after a large state while a guest downloads it") {
     Log log;
     const std::vector<std::byte> bytes(std::size_t{16} << 20, std::byte{3});
     log.add(0);
@@ -156,7 +157,7 @@ TEST_CASE("the ticks after a large state are kept while somebody takes it") {
     }
 }
 
-TEST_CASE("what a state claims to be costs nothing before its chunks are here") {
+TEST_CASE("an offered state takes no memory before its chunks arrive") {
     const session::Snapshot state(77, 5, std::vector<std::byte>(200 * session::chunk_bytes, std::byte{1}));
     session::Assembly assembly(state.offer());
     CHECK(assembly.image().empty());
@@ -168,7 +169,8 @@ TEST_CASE("what a state claims to be costs nothing before its chunks are here") 
     CHECK(assembly.image().size() == 65 * session::chunk_bytes);
 }
 
-TEST_CASE("a host that offers one state after the other, or tells hardly anything of one, is left") {
+TEST_CASE("a guest or relay rejects the states of a host that offers new ones without end or sends one too "
+          "slowly") {
     Newcomer guest({0, 1});
     for (std::uint64_t poll = 0; poll < 302; ++poll) {
         guest.offer(1000 + poll, 16u << 20);
@@ -202,7 +204,8 @@ TEST_CASE("a host that offers one state after the other, or tells hardly anythin
     CHECK(relay->counters().next_tick == 700);
 }
 
-TEST_CASE("who lacks what is forgotten fetches a state again, or where ticks were run is told so") {
+TEST_CASE(
+    "a guest that lacks dropped ticks fetches a state again or stops with a notice if it has run ticks") {
     for (const bool has_run : {false, true}) {
         CAPTURE(has_run);
         Newcomer guest({0});
@@ -235,7 +238,7 @@ TEST_CASE("who lacks what is forgotten fetches a state again, or where ticks wer
     }
 }
 
-TEST_CASE("who watches reads so many packets of each host in a poll, and those of the others") {
+TEST_CASE("a spectator limits the packets of each host per poll and still reads those of the others") {
     Newcomer guest({0, 1});
     for (std::uint32_t i = 0; i < packets_per_peer_max + 36; ++i) guest.offer(1000 + i, 100);
     guest.desk.put(1, session::write_word(guest.packet, match_of_two(), {5, 5}));

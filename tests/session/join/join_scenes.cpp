@@ -7,22 +7,22 @@
 
 using namespace lockstone::test;
 
-TEST_CASE("machines come back, and what a host lies about is found out") {
+TEST_CASE("machines rejoin a match and detect the lies of a host") {
     for (const HostileScene& scene : join_scenes()) {
         CAPTURE(std::string(scene.name));
         CHECK(scene.run() == "");
     }
 }
 
-TEST_CASE("relays serve whoever watches, whatever their hosts and watchers do") {
+TEST_CASE("relays serve their spectators under any behaviour of hosts and other spectators") {
     for (const HostileScene& scene : relay_scenes()) {
         CAPTURE(std::string(scene.name));
         CHECK(scene.run() == "");
     }
 }
 
-TEST_CASE("the first machine goes at any time while another one comes, and the match goes on without it and "
-          "with it") {
+TEST_CASE("a match continues when its first machine leaves while another one joins and when the first one "
+          "rejoins") {
     for (int frames = -100; frames <= 200; frames += is_too_long_here() ? 100 : 20)
         for (const std::uint32_t machines : {3u, 4u}) {
             CAPTURE(frames);

@@ -16,11 +16,11 @@ SpectatorRelayDef relay_def() { return {.hosts = {0, 1}, .state_polls = 300}; }
 } // namespace
 
 TEST_CASE(
-    "300 watch through a relay, all see the match soon live, and a player sends what it sends for one") {
+    "300 spectators follow the match nearly live through a relay and a player sends as much as for one") {
     CHECK(relays::many_watchers(static_cast<std::uint32_t>(test::tries(300))) == "");
 }
 
-TEST_CASE("without a relay a player sends more for each who watches") {
+TEST_CASE("a player without a relay sends more for each spectator") {
     // The negative control: without the relay the count of bytes grows with the spectators.
     const auto bytes = [](std::uint32_t count) {
         RelayedMatch net(1);
@@ -47,7 +47,7 @@ TEST_CASE("without a relay a player sends more for each who watches") {
     CHECK(bytes(10) * 100 > bytes(1) * relays::many_to_one_percent);
 }
 
-TEST_CASE("who stops reading is sent nothing more, and nobody else notices") {
+TEST_CASE("a relay sends no more to spectators that stop reading and serves the others as before") {
     RelayedMatch net(20, relay_def()), without(10, relay_def());
     for (int i = 0; i < 20; ++i) net.watch(false);
     for (int i = 0; i < 10; ++i) without.watch(false);
@@ -65,7 +65,7 @@ TEST_CASE("who stops reading is sent nothing more, and nobody else notices") {
     MESSAGE("to ten who read and ten who do not ", sent, " bytes, to ten ", sent_without);
 }
 
-TEST_CASE("planted: a watcher of a host that leaves, without another address, is left behind") {
+TEST_CASE("planted: a spectator without another host falls behind when its host leaves") {
     JoinNet alone(3);
     JoinNet::Guest& stays = alone.watch({.hosts = {0}});
     alone.run(300);
@@ -75,7 +75,7 @@ TEST_CASE("planted: a watcher of a host that leaves, without another address, is
 }
 
 TEST_CASE(
-    "a relay takes no state but the one whose hash was told with the ticks, and no word but its host's") {
+    "a relay rejects a state whose hash differs from the ticks and packets of a host that it does not use") {
     RelayedMatch net(2, {.hosts = {0, 1}, .state_polls = 120});
     std::vector<std::byte> buffer;
     const std::uint32_t match = session::packet_context(net.def).match;
@@ -103,7 +103,7 @@ TEST_CASE(
     CHECK(net.behind(from_start) <= RelayedMatch::near);
 }
 
-TEST_CASE("no bytes break a relay, from above or below") {
+TEST_CASE("a spectator relay survives any bytes from hosts and from spectators") {
     RelayedMatch net(6, relay_def());
     net.watch(false), net.watch(true);
     test::SplitMix random(5);
@@ -134,7 +134,7 @@ TEST_CASE("no bytes break a relay, from above or below") {
     CHECK(net.furthest_behind() <= RelayedMatch::near);
 }
 
-TEST_CASE("a relay that cannot be one is refused with a sentence") {
+TEST_CASE("make_spectator_relay() rejects an invalid definition with a sentence") {
     SimulatedNetwork network(2, {}, 1);
     SessionDef def;
     def.players = {0, 1};

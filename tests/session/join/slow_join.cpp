@@ -6,7 +6,7 @@
 using namespace lockstone;
 using namespace lockstone::test;
 
-TEST_CASE("a machine comes in over every way that is shorter than 3/16 of the patience, and stays in") {
+TEST_CASE("a machine joins and stays at every latency below 3/16 of the timeout") {
     for (const std::uint32_t machines : {3u, 4u})
         for (const std::uint32_t way_ms : {600u, 930u}) { // [ms]; the limit is 940
             CAPTURE(machines);
@@ -15,7 +15,7 @@ TEST_CASE("a machine comes in over every way that is shorter than 3/16 of the pa
         }
 }
 
-TEST_CASE("a pause of another one, shorter than the patience, costs a machine that comes no seat") {
+TEST_CASE("a joining machine keeps its seat when another machine pauses for less than the timeout") {
     for (std::uint64_t moment = 20; moment <= 70; moment += 5)
         for (const std::uint64_t pause : {150u, 210u}) {
             CAPTURE(moment);
@@ -30,7 +30,7 @@ TEST_CASE("a pause of another one, shorter than the patience, costs a machine th
         }
 }
 
-TEST_CASE("who could not come in for long comes with a greater life") {
+TEST_CASE("a machine that could not join for a long time joins after a restart with a higher life number") {
     Match match({.machines = 3, .link = {.latency_ms = 40}, .absent = 1u << 2, .record = false});
     match.run(120);
     match.network.set_link(2, 1, {.loss_permille = 1000});

@@ -25,7 +25,7 @@ session::Chunk chunk_of(const session::Snapshot& snapshot, std::uint32_t index) 
 
 } // namespace
 
-TEST_CASE("a state of any size arrives whole, whatever the order of its chunks") {
+TEST_CASE("a state of any size arrives complete in any order of its chunks") {
     for (const std::size_t size : {1u, 959u, 960u, 961u, 1920u, 5000u, 20'000u, 65'000u}) {
         CAPTURE(size);
         const std::vector<std::byte> bytes = some_bytes(size);
@@ -48,7 +48,7 @@ TEST_CASE("a state of any size arrives whole, whatever the order of its chunks")
     }
 }
 
-TEST_CASE("a chunk that is not what the offer's root says is not taken, whatever is wrong with it") {
+TEST_CASE("an assembly rejects every kind of chunk that does not match the root of the offer") {
     const session::Snapshot snapshot(77, 5, some_bytes(7000));
     session::Assembly assembly(snapshot.offer());
     const auto refused = [&](auto&& change) {
@@ -83,7 +83,7 @@ TEST_CASE("a chunk that is not what the offer's root says is not taken, whatever
     }
 }
 
-TEST_CASE("a watcher begins at a recent state and sees the rest of the match") {
+TEST_CASE("a spectator begins at a recent state and sees the rest of the match") {
     JoinNet net(2);
     net.run(600);
     JoinNet::Guest& guest = net.watch({.hosts = {0}, .from_state = true});
@@ -97,8 +97,7 @@ TEST_CASE("a watcher begins at a recent state and sees the rest of the match") {
     CHECK(guest.events.holds(guest.timeline.end()));
 }
 
-TEST_CASE(
-    "a state that one machine tells otherwise than two others is refused, and one of theirs is begun with") {
+TEST_CASE("a spectator rejects a state that two of three machines contradict and begins with one of theirs") {
     for (const bool is_first : {true, false}) { // the guest requests the liar's state first, or only its hash
         JoinNet net(3);
         net.lie = [](PeerId from, Arena& shown) {
@@ -115,7 +114,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("of two machines that tell different states none is believed") {
+TEST_CASE("a spectator accepts no state when two machines report different ones") {
     JoinNet net(2);
     net.lie = [](PeerId from, Arena& shown) {
         if (from == 0) shown.state().edit_row(arena_columns().agent, 2).speed ^= 1;
@@ -129,7 +128,7 @@ TEST_CASE("of two machines that tell different states none is believed") {
     CHECK(guest.timeline.ticks.empty());
 }
 
-TEST_CASE("a state larger than a watcher takes is refused with a sentence") {
+TEST_CASE("a spectator rejects a state above its size limit with a sentence") {
     JoinNet net(2);
     net.run(100);
     JoinNet::Guest& guest = net.watch({.hosts = {0}, .from_state = true, .state_bytes_max = 100});
@@ -140,7 +139,7 @@ TEST_CASE("a state larger than a watcher takes is refused with a sentence") {
     CHECK(guest.timeline.ticks.empty());
 }
 
-TEST_CASE("a state that is of another tick than its host says is refused, and the world stays") {
+TEST_CASE("adopt_at() rejects a state of another tick than its host reports and leaves the world unchanged") {
     const SmallGame game;
     World theirs = game.start().value(), ours = game.start().value();
     for (int t = 0; t < 5; ++t) theirs.tick();

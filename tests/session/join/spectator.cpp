@@ -8,7 +8,7 @@
 using namespace lockstone;
 using namespace lockstone::test;
 
-TEST_CASE("whoever watches, from the start or from later on, sees the match as it was played, soon live") {
+TEST_CASE("spectators from the start and from later on see the match as it was played and soon live") {
     JoinNet watched(2);
     JoinNet::Guest& first = watched.watch({.hosts = {0}});
     watched.run(1200);
@@ -23,7 +23,7 @@ TEST_CASE("whoever watches, from the start or from later on, sees the match as i
     CHECK(watched.match.agree(0, 1));
 }
 
-TEST_CASE("a departure is seen by who watches as it was by who played") {
+TEST_CASE("a spectator sees the departure of a player as the players do") {
     JoinNet watched(2);
     JoinNet::Guest& watcher = watched.watch({.hosts = {0}});
     watched.run(300);
@@ -33,7 +33,7 @@ TEST_CASE("a departure is seen by who watches as it was by who played") {
     CHECK(watcher.timeline.ticks.back().statuses[1] == InputStatus::disconnected);
 }
 
-TEST_CASE("the delay holds: nothing is shown sooner than so many ticks after it was played") {
+TEST_CASE("a host with a delay shows each tick no sooner than that many ticks after it was played") {
     JoinNet watched(2, {.delay_ticks = 120});
     JoinNet::Guest& watcher = watched.watch({.hosts = {0}});
     for (int i = 0; i < 30; ++i) {
@@ -44,7 +44,8 @@ TEST_CASE("the delay holds: nothing is shown sooner than so many ticks after it 
     CHECK(watched.behind(watcher) <= 180);
 }
 
-TEST_CASE("a watcher with another world is told at the first tick that differs, and nobody else notices") {
+TEST_CASE("a spectator with another world reports the first tick that differs and other spectators report no "
+          "desync") {
     JoinNet watched(2);
     JoinNet::Guest &right = watched.watch({.hosts = {0}}), &wrong = watched.watch({.hosts = {0}});
     watched.run(200);
@@ -59,8 +60,8 @@ TEST_CASE("a watcher with another world is told at the first tick that differs, 
     CHECK(right.notices.size() == 1); // connected
 }
 
-TEST_CASE("who leaves frees its place, who comes beyond the last place is not answered, and the match goes "
-          "on as without") {
+TEST_CASE("a spectator that leaves frees its place, a host ignores one without a place and the match is "
+          "unchanged") {
     JoinNet watched(2, {.watchers_max = 1, .silence_polls = 60}), alone(2);
     JoinNet::Guest& first = watched.watch({.hosts = {0}});
     watched.run(200);
@@ -76,7 +77,7 @@ TEST_CASE("who leaves frees its place, who comes beyond the last place is not an
     CHECK(watched.match.machine(0).timeline.ticks == alone.match.machine(0).timeline.ticks);
 }
 
-TEST_CASE("no bytes break a host or a watcher, and what they claim beyond what was sent is ignored") {
+TEST_CASE("a host and a spectator survive any bytes and ignore claims beyond the sent ticks") {
     JoinNet watched(2, {.watchers_max = 4});
     JoinNet::Guest& watcher = watched.watch({.hosts = {0}});
     test::SplitMix random(3);

@@ -27,20 +27,21 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    add_texts(
-        command, "INVITATION", args.invitations,
-        "CODE@ADDRESS:PORT#KEY, as the host says it to who watches; further ones of other machines of the "
-        "same match: the next is asked where one has gone")
+    add_texts(command, "INVITATION", args.invitations,
+              "CODE@ADDRESS:PORT#KEY that the host prints for watchers; further ones name other machines of "
+              "the same match, which are used when the first is lost")
         .required();
-    add_number(command, "--port", args.port, "the UDP port to listen at; 0: any that is free", 0, 65535)
+    add_number(command, "--port", args.port, "UDP port to listen at; 0: any free port", 0, 65535)
         .show_default();
-    add_text(command, "--address", args.address, "the address to listen at; 0.0.0.0: every one, of IPv6 too")
+    add_text(command, "--address", args.address, "address to listen at; 0.0.0.0: every address, also of IPv6")
         .show_default();
-    add_text(command, "--key", args.key_file, "the file of the secret: 64 hexadecimal digits").required();
-    add_flag(command, "--new-key", args.new_key, "make that file first; it must not be there");
-    add_number(command, "--watchers", args.watchers, "who watch at one time", 1, watchers_most)
+    add_text(command, "--key", args.key_file, "file with the secret key: 64 hexadecimal digits").required();
+    add_flag(command, "--new-key", args.new_key, "create the key file first; it must not exist");
+    add_number(command, "--watchers", args.watchers, "largest number of watchers at one time", 1,
+               watchers_most)
         .show_default();
-    add_number(command, "--seconds", args.seconds, "end after so long; 0: after the match, or at a signal")
+    add_number(command, "--seconds", args.seconds,
+               "time after which the broadcast ends [s]; 0: it ends after the match or at a signal")
         .show_default();
 }
 
@@ -70,16 +71,16 @@ class Hosts final : public Transport {
         while (receive()) {} // drops other packets: their senders repeat them
         for (const Host& host : hosts)
             if (host.wire && !host.card && now_ms - host.met_ms > card_patience_ms)
-                return Error{"the machine of the code " + host.meeting.invitation().code +
-                             " does not say what is played"};
+                return Error{"the machine with the code " + host.meeting.invitation().code +
+                             " does not send the match"};
         return std::ranges::all_of(hosts, [](const Host& host) { return host.card.has_value(); });
     }
     /// The match that all hosts play; an error if two cards differ.
     Result<MatchCard> card() const {
         for (const Host& host : hosts)
             if (to_bytes(*host.card) != to_bytes(*hosts.front().card))
-                return Error{"the machine of the code " + host.meeting.invitation().code +
-                             " plays another match than the first"};
+                return Error{"the machine with the code " + host.meeting.invitation().code +
+                             " plays a different match than the first machine"};
         return *hosts.front().card;
     }
     std::vector<PeerId> peers() const {
@@ -155,7 +156,7 @@ void say_how_to_watch(const Args& args, const NetKey& secret, UdpWatchDoor& door
                                   : to_string(door.socket().local_address());
     std::printf("port %u, key %s, code %s\nto watch: lockstone-demo --watch %s@%s#%s\n", port, key.c_str(),
                 code.c_str(), code.c_str(), at.c_str(), key.c_str());
-    if (is_any) std::printf("from another machine: with this one's address in place of 127.0.0.1\n");
+    if (is_any) std::printf("from another machine: replace 127.0.0.1 with the address of this machine\n");
     std::fflush(stdout);
 }
 
@@ -188,8 +189,8 @@ Exit serve(const Args& args, const MatchCard& card, Hosts& hosts, UdpWatchDoor& 
         watchers_ever = std::max(watchers_ever, counters.watchers);
     }
     const SpectatorRelay::Counters counters = relay.counters();
-    std::printf("showed %llu of %llu ticks to at most %u at one time, %llu bytes; changed the machine that "
-                "is asked %llu times\n",
+    std::printf("showed %llu of %llu ticks to at most %u at one time, %llu bytes; changed the source machine "
+                "%llu times\n",
                 static_cast<unsigned long long>(told), static_cast<unsigned long long>(card.ticks),
                 watchers_ever, static_cast<unsigned long long>(counters.bytes_to_watchers),
                 static_cast<unsigned long long>(host_changes));
@@ -229,11 +230,10 @@ Result<Exit> broadcast(const Args& args) {
 } // namespace
 
 void add_broadcast(CLI::App& app, Work& work) {
-    add_command<Args>(
-        app, work, "broadcast",
-        "Show a match that is played over UDP to hundreds: they watch by one code, and the players "
-        "send it once.",
-        describe, broadcast);
+    add_command<Args>(app, work, "broadcast",
+                      "Show a match over UDP to hundreds of watchers; they use one code, and the players "
+                      "send the match once.",
+                      describe, broadcast);
 }
 
 } // namespace lockstone::cli

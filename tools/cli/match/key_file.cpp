@@ -20,7 +20,8 @@ Result<NetKey> key_in(const std::string& file) {
 
 Result<NetKey> key_of(const std::string& file, bool is_new) {
     if (is_new) {
-        if (std::filesystem::exists(file)) return Error{file + ": is there already"};
+        if (std::filesystem::exists(file))
+            return Error{file + ": exists already; leave out --new-key, or give another file"};
         ::umask(077); // only the owner may read the secret
         if (Status s = write_file(file, to_string(random_key()) + "\n"); !s) return s.error();
     }

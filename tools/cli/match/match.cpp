@@ -27,36 +27,38 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    add_text(command, "SCENE", args.scene, "one of `lockstone scenes` with players").show_default();
-    add_text(command, "--seeds", args.seeds, "A..B: one match for each").show_default();
-    add_number(command, "--peers", args.peers, "machines, one player each");
-    add_number(command, "--loss", args.loss_percent, "packets that are lost [%]", 0, 99);
-    add_number(command, "--latency", args.latency_ms, "one way [ms]", 0, 10000);
-    add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
-    add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, match_ticks_max);
+    add_text(command, "SCENE", args.scene, "scene with players, see `lockstone scenes`").show_default();
+    add_text(command, "--seeds", args.seeds, "range of seeds A..B; each seed gives one match").show_default();
+    add_number(command, "--peers", args.peers, "number of machines; each has one player");
+    add_number(command, "--loss", args.loss_percent, "lost packets [%], 0 to 99", 0, 99);
+    add_number(command, "--latency", args.latency_ms, "delay of a packet one way [ms], 0 to 10000", 0, 10000);
+    add_number(command, "--jitter", args.jitter_ms, "largest additional delay of a packet [ms], 0 to 10000",
+               0, 10000);
+    add_number(command, "--ticks", args.ticks, "number of ticks that every peer must confirm", 1,
+               match_ticks_max);
     add_number(command, "--watchers", args.watchers,
-               "machines that watch machine 1, and join one after the other", 0, 64);
+               "number of machines that watch machine 1, 0 to 64; they join in turn", 0, 64);
     add_flag(command, "--relayed", args.relayed,
-             "they watch through a relay, which machines 1 and 2 show the match to");
-    add_number(command, "--late", args.late, "machines that come in late, into empty seats", 0, 15);
-    add_number(command, "--rejoin", args.rejoin, "how often a machine loses all its state and comes back", 0,
-               1000);
-    add_flag(command, "--trouble", args.trouble, "machines sleep, and links are cut, for a while");
+             "the watchers use a relay that receives the match from machines 1 and 2");
+    add_number(command, "--late", args.late, "number of machines that join late and take free seats, 0 to 15",
+               0, 15);
+    add_number(command, "--rejoin", args.rejoin,
+               "number of times that a machine loses all its state and rejoins, 0 to 1000", 0, 1000);
+    add_flag(command, "--trouble", args.trouble, "pause machines and cut links for some time");
     add_flag(command, "--chaos", args.chaos,
-             "all of that at once, clocks that go wrong and more, drawn from the seed, whatever else is "
-             "asked for; "
-             "what fails is made smaller");
+             "draw players, network and all kinds of trouble, also wrong clocks, from the seed; options for "
+             "them have no effect; a failing match is reduced to a smaller one");
     add_flag(command, "--plant", args.plant,
-             "a machine changes a bit of its state half way through: each match has to fail");
-    add_flag(
-        command, "--recover", args.recover,
-        "a machine that most others differ from takes their state and comes back; with --plant: it has to");
-    add_texts(command, "--without", args.without, "with --chaos: kinds of trouble that are left out");
-    add_text(command, "--mode", args.mode, "rollback or lockstep")
+             "one machine changes a bit of its state half way; every match must then fail");
+    add_flag(command, "--recover", args.recover,
+             "a machine whose state differs from most others takes their state and rejoins; with --plant "
+             "exactly one must do so");
+    add_texts(command, "--without", args.without, "kinds of trouble to leave out, with --chaos");
+    add_text(command, "--mode", args.mode, "kind of session: rollback or lockstep")
         .one_of({"rollback", "lockstep"})
         .show_default();
     add_text(command, "--record-prefix", args.record_prefix,
-             "write PREFIX-SEED-MACHINE.lsr of every machine, from 1");
+             "write the recording of each machine to PREFIX-SEED-MACHINE.lsr; machines count from 1");
 }
 
 struct Seeds {
@@ -93,8 +95,8 @@ std::vector<std::string> differences(const MatchOutcome& match, PeerId self, Pee
     for (std::size_t tick = peer.first; tick < first.hashes.size() && found.empty(); ++tick) {
         if (peer.hashes[tick - peer.first] == first.hashes[tick]) continue;
         if (have_parted(match, self, other, tick))
-            return {name + ": has lost " + its_name + ", or was lost by it: from tick " +
-                    std::to_string(tick) + " on each plays a match of its own"};
+            return {name + ": lost the connection to " + its_name + "; from tick " + std::to_string(tick) +
+                    " on each plays its own match"};
         found.push_back(name + ": differs from " + its_name + " after tick " + std::to_string(tick));
     }
     const std::size_t before = first.inputs.size() - std::min(first.inputs.size(), peer.inputs.size());
@@ -107,7 +109,7 @@ std::vector<std::string> differences(const MatchOutcome& match, PeerId self, Pee
 std::vector<std::string> disagreements(const MatchOutcome& match, const Game& game, std::uint64_t seed) {
     std::vector<std::string> found = match.broken;
     const auto first_there = there_throughout(match);
-    if (first_there == match.peers.end()) return {"nobody was there from the start to the end"};
+    if (first_there == match.peers.end()) return {"no machine was connected from the start to the end"};
     const PeerOutcome& first = *first_there;
     const auto other = static_cast<PeerId>(first_there - match.peers.begin());
     for (PeerId p = 0; p < match.peers.size(); ++p) {
@@ -124,7 +126,7 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
     for (std::size_t w = 0; w < match.watched.size(); ++w)
         if (!std::equal(first.hashes.begin(), first.hashes.end(), match.watched[w].begin()))
             found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w + 1) +
-                            ": has seen another match than machine " + std::to_string(other + 1));
+                            ": saw a different match than machine " + std::to_string(other + 1));
     return found;
 }
 
@@ -194,7 +196,7 @@ Result<Played> play(const Args& args, const Chaos& chaos,
     played.found = disagreements(played.match, **game, chaos.def.seed);
     if (chaos.def.planted && chaos.def.recovers && played.match.recoveries != 1)
         played.found.push_back("seed " + std::to_string(chaos.def.seed) + ": " +
-                               std::to_string(played.match.recoveries) + " machines recovered, not one");
+                               std::to_string(played.match.recoveries) + " machines recovered instead of 1");
     return played;
 }
 
@@ -229,7 +231,7 @@ void shrink(const Args& args, std::uint64_t seed) {
     if (args.recover) command += " --recover";
     if (!without.empty()) command += " --without";
     for (const std::string& kind : without) command += " " + kind;
-    std::printf("seed %llu still fails so: %s\n", static_cast<unsigned long long>(seed), command.c_str());
+    std::printf("seed %llu still fails with: %s\n", static_cast<unsigned long long>(seed), command.c_str());
 }
 
 /// Returns true if the peers agree.
@@ -259,8 +261,8 @@ Status check_kinds(const Args& args) {
     for (const std::string& kind : chaos_kinds()) all += (all.empty() ? "" : ", ") + kind;
     for (const std::string& kind : args.without)
         if (std::ranges::find(chaos_kinds(), kind) == chaos_kinds().end())
-            return Error{"--without " + kind + ": there are " + all};
-    if (!args.without.empty() && !args.chaos) return Error{"--without: goes with --chaos"};
+            return Error{"--without " + kind + ": is no kind of trouble; the kinds are " + all};
+    if (!args.without.empty() && !args.chaos) return Error{"--without: give --chaos too"};
     return {};
 }
 
@@ -277,10 +279,9 @@ Result<Exit> match(const Args& args) {
     if (Status known = check_kinds(args); !known) return known.error();
     const SceneInfo* info = find_scene(args.scene);
     if (info != nullptr && info->players_max == 0)
-        return Error{args.scene + ": nobody plays in it; a match needs a scene with players" +
-                     scenes_with_players()};
+        return Error{args.scene + ": has no players; choose a scene with players" + scenes_with_players()};
     if (args.relayed && args.watchers == 0 && !args.chaos)
-        return Error{"--relayed: nobody watches: give --watchers"};
+        return Error{"--relayed: there are no watchers; give --watchers too"};
     if (!args.record_prefix.empty()) // checks the file of the first match before that match is played
         if (Status can = check_outputs({recording_name(args.record_prefix, seeds->first, 0)}); !can)
             return can.error();
@@ -299,8 +300,8 @@ Result<Exit> match(const Args& args) {
 } // namespace
 
 void add_match(CLI::App& app, Work& work) {
-    add_command<Args>(app, work, "match", "Play whole matches over a simulated network, from seeds.",
-                      describe, match);
+    add_command<Args>(app, work, "match",
+                      "Play complete matches over a simulated network, one for each seed.", describe, match);
 }
 
 } // namespace lockstone::cli

@@ -97,13 +97,13 @@ std::string told(const Chaos& chaos) {
         latency = std::max(latency, link.latency_ms + link.jitter_ms);
     std::string words = std::to_string(chaos.players) + " peers, up to " + std::to_string(latency) +
                         " ms and " + std::to_string(loss / 10) + " % lost";
-    if (def.watchers != 0) words += ", " + std::to_string(def.watchers) + " watch";
+    if (def.watchers != 0) words += ", " + std::to_string(def.watchers) + " watching";
     if (def.watchers != 0 && def.relayed) words += " through a relay";
-    if (def.watchers != 0 && def.relayed && def.show_lost != 0) words += " whose host goes";
+    if (def.watchers != 0 && def.relayed && def.show_lost != 0) words += " whose host leaves";
     if (def.run_ahead != 0) words += ", " + std::to_string(def.run_ahead) + " ticks shown ahead";
-    if (def.late != 0) words += ", one comes late";
-    if (def.rejoins != 0) words += def.host_crashes ? ", the first comes back" : ", one comes back";
-    if (def.sleeps) words += ", machines sleep";
+    if (def.late != 0) words += ", one joins late";
+    if (def.rejoins != 0) words += def.host_crashes ? ", the first rejoins" : ", one rejoins";
+    if (def.sleeps) words += ", machines pause";
     if (def.cuts) words += ", links are cut";
     return words;
 }

@@ -411,12 +411,12 @@ std::vector<std::byte> recording_of(Peer& peer) {
 /// A message that says how far each machine came in a match that did not end.
 std::string not_through(const std::vector<std::unique_ptr<Peer>>& peers, const MatchOutcome& out,
                         const MatchDef& def, std::uint64_t frames) {
-    std::string told = "seed " + std::to_string(def.seed) + ": the match is still not through after " +
+    std::string told = "seed " + std::to_string(def.seed) + ": the match has not ended after " +
                        std::to_string(frames) + " frames";
     for (std::size_t p = 0; p < peers.size(); ++p)
         told += ", " + machine_name(static_cast<PeerId>(p)) +
                 (peers[p] == nullptr
-                     ? std::string(" is away")
+                     ? std::string(" is absent")
                      : " is at tick " + std::to_string(peers[p]->session->current_tick()) + " with " +
                            std::to_string(peers[p]->log->hashes.size()) + " confirmed");
     for (const std::string& note : out.notes) told += "\n  " + note;
@@ -462,7 +462,7 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
     std::vector<std::uint64_t> frames(game.player_count()); // of each machine's own clock
     std::vector<std::unique_ptr<Watcher>> watchers;
     std::vector<std::unique_ptr<Peer>> peers;
-    if (def.late >= game.player_count()) return Error{"match: nobody is there from the start (--late)"};
+    if (def.late >= game.player_count()) return Error{"match: no machine starts the match; lower --late"};
     peers.resize(game.player_count());
     for (PeerId p = 0; p < game.player_count() - def.late; ++p) {
         Result<std::unique_ptr<Peer>> peer = make_peer(game, def, p, network.endpoint(p), show.of_host(p));
@@ -498,11 +498,11 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
         if (Status s = peer->log->close(); !s) return s.error();
         if (!peer->events.holds(peer->log->first + peer->log->hashes.size()))
             out.broken.push_back(machine_name(static_cast<PeerId>(out.peers.size())) +
-                                 ": an event was told twice, or never to its end");
+                                 ": an event was reported twice, or was never confirmed or cancelled");
         if (const std::uint64_t depth = peer->session->stats().depth_max; depth > depth_limit(game, def))
-            out.broken.push_back(machine_name(static_cast<PeerId>(out.peers.size())) + ": went back by " +
-                                 std::to_string(depth) + " ticks, " + std::to_string(depth_limit(game, def)) +
-                                 " are the most");
+            out.broken.push_back(machine_name(static_cast<PeerId>(out.peers.size())) + ": rolled back by " +
+                                 std::to_string(depth) + " ticks, but " +
+                                 std::to_string(depth_limit(game, def)) + " is the limit");
         out.peers.push_back({recording_of(*peer), peer->log->first, std::move(peer->log->hashes),
                              std::move(peer->log->inputs_confirmed), peer->session->stats()});
     }

@@ -17,29 +17,34 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    add_number(command, "--port", args.port, "the UDP port to listen at; 0: any that is free", 0, 65535)
+    add_number(command, "--port", args.port, "UDP port to listen at; 0: any free port", 0, 65535)
         .show_default();
-    add_text(command, "--address", args.address, "the address to listen at; 0.0.0.0: every one, of IPv6 too")
+    add_text(command, "--address", args.address, "address to listen at; 0.0.0.0: every address, also of IPv6")
         .show_default();
-    add_text(command, "--key", args.key_file, "the file of the relay's secret: 64 hexadecimal digits")
+    add_text(command, "--key", args.key_file, "file with the relay's secret key: 64 hexadecimal digits")
         .required();
-    add_flag(command, "--new-key", args.new_key, "make that file first; it must not be there");
+    add_flag(command, "--new-key", args.new_key, "create the key file first; it must not exist");
     add_text(command, "--second", args.second,
-             "ADDRESS:PORT of a second relay, where players go on when this one is lost: the lobby names it");
+             "ADDRESS:PORT of a second relay; players continue there when this one is lost; the lobby sends "
+             "them the address");
     add_text(command, "--second-key", args.second_key_file,
-             "the file of its secret, which makes the players' passes for it");
-    add_number(command, "--matches", args.matches, "matches at one time", 1, 65536).show_default();
-    add_number(command, "--seconds", args.seconds, "end after so long; 0: at a signal").show_default();
+             "file with the secret key of the second relay, for the players' tokens there");
+    add_number(command, "--matches", args.matches, "largest number of matches at one time, 1 to 65536", 1,
+               65536)
+        .show_default();
+    add_number(command, "--seconds", args.seconds,
+               "time after which the relay ends [s]; 0: it ends at a signal")
+        .show_default();
 }
 
 /// Stores the second relay in `def`, if the arguments name one.
 Status name_second(const Args& args, RelayDef& def) {
     if (args.second.empty() != args.second_key_file.empty())
-        return Error{"--second and --second-key go together"};
+        return Error{"--second and --second-key: give both, or neither"};
     if (args.second.empty()) return {};
     const auto at = parse_address(args.second);
     if (!at) return Error{"--second " + args.second + ": " + at.error().message};
-    if (at->port == 0) return Error{"--second " + args.second + ": has no port"};
+    if (at->port == 0) return Error{"--second " + args.second + ": has no port; write ADDRESS:PORT"};
     const Result<NetKey> key = key_in(args.second_key_file);
     if (!key) return key.error();
     def.second = *at, def.second_secret = *key;
@@ -84,8 +89,8 @@ Result<Exit> relay(const Args& args) {
 
 void add_relay(CLI::App& app, Work& work) {
     add_command<Args>(app, work, "relay",
-                      "Forward sealed packets between players, and bring them together by a code.", describe,
-                      relay);
+                      "Forward encrypted packets between players; players find each other by a code.",
+                      describe, relay);
 }
 
 } // namespace lockstone::cli

@@ -19,12 +19,14 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     add_text(command, "FILE", args.file, "a recording (.lsr)").required();
-    add_number(command, "--at", args.at, "the tick up to which it is copied").required();
-    add_text(command, "--input", args.input,
-             "what the players do from there on: a text file (tools/README.md) or a recording");
-    add_number(command, "--ticks", args.ticks,
-               "how many ticks follow; left out: with --input up to the recording's end, else none");
-    add_text(command, "-o,--output", args.out, "the new recording").required();
+    add_number(command, "--at", args.at, "tick up to which the recording is copied").required();
+    add_text(
+        command, "--input", args.input,
+        "file with the inputs after that tick: text (see tools/README.md) or a recording; default: no input");
+    add_number(
+        command, "--ticks", args.ticks,
+        "number of ticks to run after the copy; default: with --input up to the recording's end, else 0");
+    add_text(command, "-o,--output", args.out, "file to write: the new recording").required();
     describe_limits(command, args.limits);
 }
 
@@ -38,7 +40,7 @@ std::uint64_t ticks_after(const Args& args, const replay::Recording& recording) 
 Result<std::optional<InputSource>> inputs_of(const Args& args, const Loaded& loaded) {
     if (loaded.game == nullptr) {
         if (args.input.empty()) return std::optional<InputSource>();
-        return Error{args.file + ": holds commands, not inputs; --input has no place in it"};
+        return Error{args.file + ": holds commands, not inputs; leave out --input"};
     }
     Result<InputSource> source = args.input.empty() ? Result<InputSource>(InputSource::idle(*loaded.game))
                                                     : InputSource::open(*loaded.game, args.input);
@@ -106,8 +108,9 @@ Result<Exit> branch(const Args& args) {
     const Result<World> world = *source ? branch_with_inputs(args, *loaded, **source, sink, interrupt)
                                         : branch_without_game(args, *loaded, sink, interrupt);
     if (!world) return world.error();
-    print_line(args.out + ": ticks to " + std::to_string(args.at) + " from " + args.file + ", to " +
-               std::to_string(world->tick_count()) + " its own, hash " + hash_text(world->hash()));
+    print_line(args.out + ": ticks up to " + std::to_string(args.at) + " copied from " + args.file +
+               ", ticks up to " + std::to_string(world->tick_count()) + " simulated, hash " +
+               hash_text(world->hash()));
     interrupt.follow();
     return Exit::good;
 }
@@ -115,7 +118,7 @@ Result<Exit> branch(const Args& args) {
 } // namespace
 
 void add_branch(CLI::App& app, Work& work) {
-    add_command<Args>(app, work, "branch", "Copy a recording up to a tick and go on with other inputs.",
+    add_command<Args>(app, work, "branch", "Copy a recording up to a tick and continue with other inputs.",
                       describe, branch);
 }
 

@@ -15,7 +15,7 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     add_text(command, "A", args.left, "a recording (.lsr)").required();
-    add_text(command, "B", args.right, "another").required();
+    add_text(command, "B", args.right, "a recording (.lsr) to compare with A").required();
     describe_limits(command, args.limits);
 }
 
@@ -35,9 +35,10 @@ Result<Exit> compare(const Args& args) {
 } // namespace
 
 void add_diff(CLI::App& app, Work& work) {
-    add_command<Args>(app, work, "diff",
-                      "Where two recordings part: tick, phase, column, row, field, both values.", describe,
-                      compare);
+    add_command<Args>(
+        app, work, "diff",
+        "Find the first difference of two recordings: tick, phase, column, row, field, both values.",
+        describe, compare);
 }
 
 } // namespace lockstone::cli

@@ -18,9 +18,10 @@ Result<Exit> print(const Args&) {
 } // namespace
 
 void add_format(CLI::App& app, Work& work) {
-    add_command<Args>(app, work, "format",
-                      "The tables of replay/FORMAT.md, from the descriptions of commands and the state.",
-                      describe, print);
+    add_command<Args>(
+        app, work, "format",
+        "Print the tables of replay/FORMAT.md, made from the descriptions of commands and state.", describe,
+        print);
 }
 
 } // namespace lockstone::cli

@@ -103,10 +103,10 @@ std::string text_of(const LongAtMost& r) { return std::string("at most ") + r.te
 std::string text_of(const PoseIn& r) {
     return "position within " + to_string(r.most) + " m on each axis, rotation of length 1";
 }
-std::string text_of(UnitLong) { return "of length 1"; }
+std::string text_of(UnitLong) { return "length 1"; }
 template <class R> std::string text_of(const First<R>& r) {
     const std::string each = text_of(r.range);
-    return each.empty() ? "those in use only" : "those in use: " + each;
+    return each.empty() ? "entries in use only" : "entries in use: " + each;
 }
 
 // ---- tables --------------------------------------------------------------------------------------------------

@@ -6,10 +6,10 @@
 namespace lockstone::cli {
 
 void describe_limits(CLI::App& command, LimitChoice& choice) {
-    add_number(command, "--memory", choice.memory_mb, "[MB] that the recording may take at most, all told",
-               16, 1u << 24);
-    add_number(command, "--commands", choice.commands, "most commands of one tick; an explosion counts as 64",
-               1);
+    add_number(command, "--memory", choice.memory_mb, "memory limit for recordings [MB], 16 or more", 16,
+               1u << 24);
+    add_number(command, "--commands", choice.commands,
+               "largest number of commands in one tick; an explosion counts as 64", 1);
 }
 
 Result<replay::Recording> open_recording(const std::string& path, const replay::Limits& limits) {

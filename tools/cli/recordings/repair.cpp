@@ -15,7 +15,8 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     add_text(command, "FILE", args.file, "a recording (.lsr) that was cut or damaged").required();
-    add_text(command, "-o,--output", args.out, "the complete recording of what is whole").required();
+    add_text(command, "-o,--output", args.out, "file to write: a complete recording of the undamaged part")
+        .required();
     describe_limits(command, args.limits);
 }
 
@@ -24,7 +25,7 @@ Result<Exit> repair(const Args& args) {
     const Result<replay::Recording> recording =
         replay::Recording::open(args.file, replay::OnDamage::recover, args.limits.limits());
     if (!recording) return recording.error();
-    if (recording->complete()) return Error{args.file + ": is complete, there is nothing to repair"};
+    if (recording->complete()) return Error{args.file + ": is complete and needs no repair"};
     Result<replay::FileSink> sink = replay::FileSink::create(args.out);
     if (!sink) return sink.error();
     if (Status s = replay::repair(*recording, *sink); !s) return s.error();
@@ -38,7 +39,7 @@ Result<Exit> repair(const Args& args) {
 
 void add_repair(CLI::App& app, Work& work) {
     add_command<Args>(app, work, "repair",
-                      "Make a complete recording of what is whole in one that was cut or damaged.", describe,
+                      "Make a complete recording from the undamaged part of a cut or damaged one.", describe,
                       repair);
 }
 

@@ -20,10 +20,11 @@ struct ReplayArgs {
 
 void describe(CLI::App& command, ReplayArgs& args) {
     add_text(command, "FILE", args.file, "a recording (.lsr)").required();
-    add_number(command, "--from", args.from, "start there, from the keyframe before it");
-    add_number(command, "--to", args.to, "stop there");
+    add_number(command, "--from", args.from, "tick to start at; default: the first of the recording");
+    add_number(command, "--to", args.to, "tick to stop at; default: the last of the recording");
     add_threads(command, args.threads);
-    add_text(command, "--hashes", args.hashes, "write tick, tab, root hash after that tick");
+    add_text(command, "--hashes", args.hashes,
+             "write a line for each tick to this file: tick, tab, root hash after the tick");
     describe_limits(command, args.limits);
 }
 
@@ -41,7 +42,7 @@ Result<Range> range_of(const ReplayArgs& args, const replay::Recording& recordin
 }
 
 Exit parted(const std::string& file, std::uint64_t tick, const World& world, std::uint64_t recorded) {
-    print_line(file + ": parts from the recording at tick " + std::to_string(tick) + ": hash " +
+    print_line(file + ": differs from the recording at tick " + std::to_string(tick) + ": hash " +
                hash_text(world.hash()) + " against " + hash_text(recorded));
     return Exit::check_failed;
 }
@@ -73,8 +74,8 @@ Result<Exit> play(const ReplayArgs& args) {
         if (Status s = write_file(args.hashes, hashes); !s) return s.error();
     const std::string hash = hash_text(player->world().hash());
     if (range->from == range->to)
-        print_line(args.file + ": no tick was asked for; the state at time " + std::to_string(range->to) +
-                   " has the recorded hash, " + hash);
+        print_line(args.file + ": the range contains no tick; the state at time " +
+                   std::to_string(range->to) + " has the recorded hash, " + hash);
     else
         print_line(args.file + ": ticks " + std::to_string(range->from) + " to " + std::to_string(range->to) +
                    " are bit-exact, hash " + hash);
@@ -89,7 +90,7 @@ struct InfoArgs {
 
 void describe(CLI::App& command, InfoArgs& args) {
     add_text(command, "FILE", args.file, "a recording (.lsr)").required();
-    add_flag(command, "--json", args.json, "for programs");
+    add_flag(command, "--json", args.json, "print JSON");
     describe_limits(command, args.limits);
 }
 
@@ -139,7 +140,8 @@ Result<Exit> inform(const InfoArgs& args) {
 void add_replay(CLI::App& app, Work& work) {
     add_command<ReplayArgs>(app, work, "replay", "Re-simulate a recording and compare every tick's hash.",
                             describe, play);
-    add_command<InfoArgs>(app, work, "info", "What a recording holds.", describe, inform);
+    add_command<InfoArgs>(app, work, "info", "Print the header, the size and the last hash of a recording.",
+                          describe, inform);
 }
 
 } // namespace lockstone::cli

@@ -23,11 +23,13 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     add_texts(command, "FILE", args.files, "recordings (.lsr)").required();
-    add_number(command, "--jobs", args.jobs, "threads per recording, each from keyframe to keyframe", 1, 256);
+    add_number(command, "--jobs", args.jobs,
+               "number of threads for a recording, 1 to 256; each verifies ticks between keyframes", 1, 256);
     add_threads(command, args.threads);
-    add_text(command, "--shard", args.shard, "I/N: part I, from 0, of N, each from keyframe to keyframe")
+    add_text(command, "--shard", args.shard,
+             "I/N: verify only part I of N parts, where I is 0 to N - 1; parts begin and end at keyframes")
         .show_default();
-    add_flag(command, "--json", args.json, "for programs");
+    add_flag(command, "--json", args.json, "print the results as JSON");
     describe_limits(command, args.limits);
 }
 

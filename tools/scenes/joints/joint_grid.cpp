@@ -210,7 +210,7 @@ void push_all(Turn& turn, const Cast& cast, std::uint64_t period) {
 /// True if the station's joint exists; otherwise the rules fail, since they need it.
 bool has_joint(Turn& turn, JointId joint) {
     const bool lives = turn.world.is_alive(joint);
-    if (!lives) turn.must(Error{"a joint of the grid is broken that should hold"});
+    if (!lives) turn.must(Error{"a joint of the grid broke that must hold"});
     return lives;
 }
 

@@ -70,7 +70,7 @@ class WreckingBall final : public BallScene {
     using BallScene::BallScene;
 
     Controls controls(std::uint32_t player) const override {
-        return player == 0 ? Controls{"pull the ball", "slow it down", "build the wall anew"} : ball_controls;
+        return player == 0 ? Controls{"pull the ball", "slow it down", "rebuild the wall"} : ball_controls;
     }
 
     Result<World> start() const override {

@@ -65,7 +65,7 @@ void run_plain(LaneOp op, unsigned lanes, const std::int64_t* a, const std::int6
     if (op == LaneOp::all_within) out[0] = all;
 }
 
-TEST_CASE("every instruction set computes lane operations as plain integers do, over all 64-bit numbers") {
+TEST_CASE("every instruction set computes lane operations like plain integers over all 64-bit numbers") {
     const int rounds = tries(20'000);
     const std::vector<Set> sets = sets_of_this_machine();
     std::mt19937_64 random(7);
