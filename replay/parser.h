@@ -1,6 +1,7 @@
 // Reads the chunks of a file into a Recording. For use inside replay/ only.
 #pragma once
 
+#include "base/bytes.h"
 #include "replay/recording.h"
 
 #include <set>

@@ -1,5 +1,7 @@
 #include "replay/verifier.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <thread>
 

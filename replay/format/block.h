@@ -1,11 +1,18 @@
 // A block of ticks: the writer collects and packs it, the reader unpacks it.
 #pragma once
 
-#include "base/bytes.h"
 #include "lockstone/game.h"
 #include "replay/format/format.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
+#include <span>
+#include <vector>
+
+namespace lockstone::base {
+class ByteReader; // installed headers use no header of src
+}
 
 namespace lockstone::replay {
 
