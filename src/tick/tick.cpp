@@ -140,6 +140,7 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     list_fields(w, s.fields);
     const std::span<solve::DrivenVehicle> driven = s.vehicles.drive(scene);
     list_wheel_loads(driven, s.bodies, s.wheel_loads);
+    solve::find_still_contacts(s.found.contacts, s.bodies);
     const bool any_pressed = s.pressed.find(s.found.contacts, s.wheel_loads, columns.mass.traits, s.bodies);
     s.paths.take(any_pressed, base::Path::none_pressed, base::Path::some_pressed);
     both_sets(

@@ -1,53 +1,13 @@
 // The passes over one contact, written as the equations of contact_solver.h: plain loops over plain integers.
-//
 // This is the place to read the contact solver for the first time, and to try a change on. The kernels compute the same bits
 // for several contacts side by side; contact_reference.cpp compares them.
-//
-// Numbers have the fraction bits of pack.h. A product has 64 bits and the sum of the fraction bits. Sums wrap, as in lanes.
+// Numbers have the fraction bits of pack.h. A product has 64 bits and the sum of the fraction bits.
 #pragma once
 
+#include "oracle/reference_numbers.h"
 #include "solve/contacts/pack.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-
 namespace lockstone::test::reference {
-
-using namespace solve; // formats and limits of pack.h
-using i32 = std::int32_t;
-using i64 = std::int64_t;
-using u64 = std::uint64_t;
-
-inline constexpr i32 one = 1 << unit_bits;
-inline constexpr i32 speed_limit = 1 << 28;  ///< 512 m/s, of an error of speed
-inline constexpr i32 answer_limit = 1 << 29; ///< of an impulse that corrects such an error
-inline constexpr i32 impact_speed = 1 << 17; ///< 0.25 m/s: a faster impact is a hit
-inline constexpr i32 pull_tolerance = 16;    ///< 3e-5 m/s: a smaller pull is rounding
-inline constexpr i32 overlap_max = 1 << gap_bits;
-inline constexpr i32 gap_limit = 0x7fffffff;
-/// Index of entry (i, j) of a symmetric matrix that is stored by rows of the lower triangle.
-inline constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
-
-inline i64 plus(i64 a, i64 b) { return i64(u64(a) + u64(b)); }
-inline i64 minus(i64 a, i64 b) { return i64(u64(a) - u64(b)); }
-inline i64 plus(i64 a, i64 b, i64 c) { return plus(plus(a, b), c); }
-inline i32 low(i64 x) { return static_cast<i32>(x); }
-inline i64 times(i32 a, i32 b) { return i64{a} * b; }
-/// x / 2^drop to the nearest, halves upwards.
-inline i32 rounded(i64 x, int drop) { return low(plus(x, i64{1} << (drop - 1)) >> drop); }
-inline i32 rounded_within(i64 x, int drop, i32 limit) {
-    const i64 least = -(i64{limit} << drop), most = (i64{limit} << drop) + (i64{1} << (drop - 1)) - 1;
-    return rounded(std::clamp(x, least, most), drop);
-}
-inline i32 bounded(i32 x) { return std::clamp(x, -speed_limit, speed_limit); }
-/// floor(sqrt(x)) for 0 <= x < 2^62.
-inline i64 root(i64 x) {
-    i64 r = static_cast<i64>(std::sqrt(static_cast<double>(x)));
-    while (r * r > x) --r;
-    while ((r + 1) * (r + 1) <= x) ++r;
-    return r;
-}
 
 struct Motion {
     i64 v[3], u[3]; ///< u = K w: angular velocity times the radii of gyration, so both are speeds
@@ -324,9 +284,13 @@ class Solver {
             for (int i = 0; i < rows; ++i) sum = plus(sum, times(c.slide_inverse[lower[r][i]], speed[i]));
             now[r] = low(i64{c.t[r]} - rounded_within(sum, inverse_bits, speed_limit));
         }
-        if (c.several())
-            limit_twist(rounded_within(times(c.mu, rounded(reach, unit_bits)), row_bits, speed_limit), now);
-        hold_in_cone(rounded_within(times(c.mu, low(pressing)), row_bits, speed_limit), now);
+        const i32 least[3] = {now[0], now[1], now[2]};
+        i32 from[3] = {c.t[0], c.t[1], 0};
+        if (c.several()) {
+            const i32 most = rounded_within(times(c.mu, rounded(reach, unit_bits)), row_bits, speed_limit);
+            limit_twist(most, now), from[2] = std::clamp(c.t[2], -most, most);
+        }
+        hold_in_cone(rounded_within(times(c.mu, low(pressing)), row_bits, speed_limit), from, least, now);
         for (int r = 0; r < 3; ++r) w[r] = low(i64{now[r]} - c.t[r]), c.t[r] = now[r];
         push(c.slide, w, a.velocity, b.velocity, true);
     }
@@ -335,17 +299,53 @@ class Solver {
         const i64 change = i64{std::clamp(now[2], -most, most)} - now[2];
         now[2] = std::clamp(now[2], -most, most);
         const i64 own = c.slide_inverse[lower[2][2]];
-        if (change == 0 || own <= 0) return;
-        for (int r = 0; r < 2; ++r)
+        for (int r = 0; change != 0 && own > 0 && r < 2; ++r)
             now[r] = low(std::clamp<i64>(now[r] + change * c.slide_inverse[lower[2][r]] / own, -speed_limit,
                                          speed_limit));
     }
-    /// Shortens (t1, t2) to `limit`: an exact cone, no pyramid.
-    static void hold_in_cone(i32 limit, i32 (&now)[3]) {
-        const i64 square = times(now[0], now[0]) + times(now[1], now[1]);
-        if (square <= times(limit, limit)) return;
-        const i64 size = root(square) + 1;
-        for (int r = 0; r < 2; ++r) now[r] = low(times(now[r], limit) / size);
+    /// Shortens (t1, t2) to `limit`: an exact cone, no pyramid. Where that adds energy, the impulse goes from `from` toward
+    /// `now` as far as the limit allows.
+    void hold_in_cone(i32 limit, const i32 (&from)[3], const i32 (&least)[3], i32 (&now)[3]) const {
+        const auto is_within = [&](i64 x, i64 y) {
+            return u64(x * x) + u64(y * y) <= u64(i64{limit} * limit);
+        };
+        if (is_within(now[0], now[1])) return;
+        const i64 size = root(times(now[0], now[0]) + times(now[1], now[1])) + 1;
+        const i32 end[3] = {low(times(now[0], limit) / size), low(times(now[1], limit) / size), now[2]};
+        i32 step = 0; // of 4096
+        if (is_within(from[0], from[1]) && adds_energy(least, from, end)) {
+            const auto at = [&](int r, i64 s) { return from[r] + (((i64{now[r]} - from[r]) * s) >> 12); };
+            for (i32 more = 2048; more > 0; more /= 2)
+                if (is_within(at(0, step + more), at(1, step + more))) step += more;
+            for (int r = 0; step > 0 && r < 3; ++r) now[r] = low(at(r, step));
+        }
+        if (step == 0) std::copy_n(end, 3, now);
+    }
+    /// The energy is that of `least` and (p - least)^T K (p - least), with K the inverse of B. It is compared with 24 bits
+    /// of the adjugate of B and 17 of the impulses, and only where the rows respond unevenly.
+    bool adds_energy(const i32 (&least)[3], const i32 (&from)[3], const i32 (&end)[3]) const {
+        i64 m[3][3], k[6] = {}, x[6];
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) m[i][j] = c.slide_inverse[lower[i][j]] / 2;
+        const i64 part = (m[0][0] + m[1][1]) / 16;
+        if (std::abs(m[0][0] - m[1][1]) <= part && std::abs(m[0][1]) <= part &&
+            m[0][2] * m[0][2] <= m[0][0] * m[2][2] / 16 && m[1][2] * m[1][2] <= m[1][1] * m[2][2] / 16)
+            return false;
+        const bool twists = m[2][2] > 0;
+        if (!twists) k[0] = m[1][1], k[1] = -m[0][1], k[2] = m[0][0];
+        for (int i = 0; twists && i < 3; ++i)
+            for (int j = 0; j <= i; ++j) { // the cofactor of (i, j)
+                const int p = (i + 1) % 3, q = (i + 2) % 3, s = (j + 1) % 3, t = (j + 2) % 3;
+                k[lower[i][j]] = m[p][s] * m[q][t] - m[p][t] * m[q][s];
+            }
+        for (int r = 0; r < 3; ++r) x[r] = i64{end[r]} - least[r], x[3 + r] = i64{from[r]} - least[r];
+        shorten(k, 24), shorten(x, 17);
+        const auto energy = [&](const i64* y) {
+            i64 sum = 0;
+            for (int i = 0; i < 9; ++i) sum += k[lower[i / 3][i % 3]] * y[i / 3] * y[i % 3];
+            return sum;
+        };
+        return energy(x) - energy(x + 3) > energy(x + 3) / 256;
     }
 
     /// Takes the impulses that stopped the bodies out of the next warm start; friction shrinks in the same ratio.

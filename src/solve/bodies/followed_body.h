@@ -25,6 +25,10 @@ struct FollowedTurn {
     Wide energy, energy_of_u;
     /// Before and after elastic impacts: twice its energy per mass, and |u|^2
     Wide impact_energy, impact_energy_of_u;
+    /// Before a pass over contacts: its velocities (SolverBody::v, u), and twice its energy per mass
+    std::int64_t pass_v[3], pass_u[3];
+    Wide pass_energy;
+    bool meets_still;  ///< every body that it touches is still and has a still surface
     bool knows_energy; ///< its next turn follows its momentum
     bool held;         ///< by a joint
     bool stiff;        ///< turns as if it were larger: u is velocity alone, and precession is zero

@@ -347,7 +347,7 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
     if (s.pack_count == 0) return;
     s.body_kernel->add_velocities(bodies.body.data(), s.numbers(s.arrival), nullptr,
                                   s.all_rows(bodies).count);
-    note_u(bodies);
+    begin_contacts(bodies);
     if (s.started)
         s.next_warm_start(bodies, s.all_rows(bodies));
     else
@@ -358,7 +358,7 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
         if (!s.rolling.empty()) solve_rolling<N>(s.rolling, s.packs<N>(), bodies, true);
     });
     s.count_rolling();
-    keep_velocity(bodies);
+    end_contacts(bodies);
 }
 
 static PassSettings settings_of(const StepConstants& step, bool bias) {
@@ -396,7 +396,7 @@ void ContactSolver::end_ways(SolverBodies& bodies) {
 void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     Inside& s = *inside;
     if (s.pack_count == 0) return;
-    note_u(bodies);
+    begin_contacts(bodies);
     if (!s.rolling.empty())
         s.with_lanes(
             [&](auto width) { solve_rolling<width()>(s.rolling, s.packs<width()>(), bodies, false); });
@@ -409,7 +409,7 @@ void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
         s.kernel->solve(s.storage.data(), first, last, s.data(bodies), settings);
     });
     s.end_pass(bodies, s.all_rows(bodies));
-    keep_velocity(bodies);
+    end_contacts(bodies);
 }
 
 // ---- all passes of a tick as one run ---

@@ -13,6 +13,8 @@
 #include "solve/contacts/prepare_kernel.h"
 #include "solve/lanes/lane_fixed.h"
 
+#include <bit>
+
 #if LOCKSTONE_GNU && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized" // arrays by point: every pack has at least one point
 #endif
@@ -482,10 +484,14 @@ template <class L> class Kernel {
             if (turns) sum = sum + Inverse::load(c.slide_inverse[lower[r][2]]) * speed[2];
             now[r] = old[r] - rounded_within<speed_bits>(sum, speed_limit);
         }
-        if (turns)
-            limit_twist(c, rounded_within<speed_bits>(friction * rounded<speed_bits>(reach), speed_limit),
-                        now);
-        hold_in_cone(limit, now[0], now[1]);
+        Speed from[3] = {old[0], old[1], zero};
+        const Speed least[3] = {now[0], now[1], now[2]};
+        if (turns) {
+            const Speed most = rounded_within<speed_bits>(friction * rounded<speed_bits>(reach), speed_limit);
+            limit_twist(c, most, now);
+            from[2] = clamp(old[2], most);
+        }
+        hold_in_cone(c, limit, from, least, now);
         for (int r = 0; r < 3; ++r) {
             w[r] = now[r] - old[r];
             now[r].store(c.slide[r]);
@@ -522,20 +528,97 @@ template <class L> class Kernel {
         now[2] = within;
     }
 
-    /// Shortens the impulse along the tangents to `limit`: an exact cone, no pyramid.
-    static void hold_in_cone(Speed limit, Speed& t1, Speed& t2) {
-        const auto square = t1 * t1 + t2 * t2;
+    /// Shortens the impulse along the tangents to `limit`: an exact cone, no pyramid. `from`: the impulse before this
+    /// pass, within its present limits but for a normal impulse that has become smaller. `least`: the impulse without
+    /// limits, with which the bodies have the least energy. Where the rows respond very differently, as those of a rod,
+    /// the shortened impulse may add energy; then the impulse goes only as far from `from` as the limit allows.
+    static void hold_in_cone(const Pack& c, Speed limit, const Speed (&from)[3], const Speed (&least)[3],
+                             Speed (&now)[3]) {
+        const auto square = now[0] * now[0] + now[1] * now[1];
         const unsigned outside = (square > limit * limit).lanes();
         if (outside == 0) return;
-        std::int64_t size[N], most[N], x[N], y[N];
-        square.store64(size), wide(limit).store64(most), wide(t1).store64(x), wide(t2).store64(y);
+        std::int64_t size[N], most[N];
+        std::int32_t to[3][N], old[3][N], best[3][N];
+        square.store64(size), wide(limit).store64(most);
+        for (int r = 0; r < 3; ++r) now[r].store(to[r]), from[r].store(old[r]), least[r].store(best[r]);
         detail::take_roots(size, N);
         for (unsigned lane = 0; lane < N; ++lane) {
             if (((outside >> lane) & 1u) == 0) continue;
-            x[lane] = x[lane] * most[lane] / (size[lane] + 1);
-            y[lane] = y[lane] * most[lane] / (size[lane] + 1);
+            const Impulse goal{to[0][lane], to[1][lane], to[2][lane]},
+                start{old[0][lane], old[1][lane], old[2][lane]};
+            Impulse end{goal.t[0] * most[lane] / (size[lane] + 1), goal.t[1] * most[lane] / (size[lane] + 1),
+                        goal.t[2]};
+            if (start.is_within(most[lane]) &&
+                adds_energy(c, lane, {best[0][lane], best[1][lane], best[2][lane]}, start, end))
+                end = cut(start, goal, most[lane], end);
+            for (int r = 0; r < 3; ++r) to[r][lane] = static_cast<std::int32_t>(end.t[r]);
         }
-        t1 = Speed::of(L::from_lanes(x)), t2 = Speed::of(L::from_lanes(y));
+        for (int r = 0; r < 3; ++r) now[r] = Speed::load(to[r]);
+    }
+
+    /// Two tangents and the twist of one lane.
+    struct Impulse {
+        std::int64_t t[3];
+        bool is_within(std::int64_t most) const {
+            const auto square = [](std::int64_t x) { return static_cast<std::uint64_t>(x * x); };
+            return square(t[0]) + square(t[1]) <= square(most);
+        }
+    };
+    static std::int64_t size_of(std::int64_t x) { return x < 0 ? -x : x; }
+    /// Shifts values right, alike, until they have at most `bits` bits.
+    static void shorten_to(int bits, std::int64_t (&x)[6]) {
+        std::uint64_t all = 0;
+        for (const std::int64_t i : x) all |= static_cast<std::uint64_t>(size_of(i));
+        const int drop = 64 - std::countl_zero(all) - bits;
+        if (drop > 0)
+            for (std::int64_t& i : x) i >>= drop;
+    }
+    /// True if the three rows respond about alike and independently. The shortened impulse then adds no energy.
+    static bool is_even(const std::int64_t (&m)[6]) {
+        constexpr int part = 16;
+        const std::int64_t both = m[0] + m[2];
+        return size_of(m[0] - m[2]) <= both / part && size_of(m[1]) <= both / part &&
+               m[3] * m[3] <= m[0] * m[5] / part && m[4] * m[4] <= m[2] * m[5] / part;
+    }
+    /// True if the bodies have more energy with the impulse `end` than with `start`, by over 1 / 256: rounding alone makes
+    /// no difference. The energy above the least is a square in the metric of the matrix of the rows. The adjugate of its
+    /// inverse is that matrix but for a factor.
+    static bool adds_energy(const Pack& c, unsigned lane, const Impulse& least, const Impulse& start,
+                            const Impulse& end) {
+        std::int64_t m[6];
+        for (int i = 0; i < 6; ++i) m[i] = c.slide_inverse[i][lane] / 2; // products of two stay below 2^60
+        if (is_even(m)) return false;
+        std::int64_t k[6] = {m[2], -m[1], m[0]}; // of a single point, which has no twist
+        if (m[5] > 0) {
+            k[0] = m[2] * m[5] - m[4] * m[4], k[1] = m[3] * m[4] - m[1] * m[5];
+            k[2] = m[0] * m[5] - m[3] * m[3], k[3] = m[1] * m[4] - m[2] * m[3];
+            k[4] = m[1] * m[3] - m[0] * m[4], k[5] = m[0] * m[2] - m[1] * m[1];
+        }
+        std::int64_t x[6];
+        for (int r = 0; r < 3; ++r) x[r] = end.t[r] - least.t[r], x[3 + r] = start.t[r] - least.t[r];
+        shorten_to(24, k), shorten_to(17, x); // the sums of nine products of three stay below 2^62
+        const auto energy = [&k](const std::int64_t* y) {
+            return k[0] * y[0] * y[0] + k[2] * y[1] * y[1] + k[5] * y[2] * y[2] +
+                   2 * (k[1] * y[0] * y[1] + k[3] * y[0] * y[2] + k[4] * y[1] * y[2]);
+        };
+        const std::int64_t before = energy(x + 3);
+        return energy(x) - before > before / 256;
+    }
+    /// The last of 4096 steps from `start` to `goal` at which the tangents are within `most`; `otherwise` if that is the
+    /// start. The energy falls along this way, since it is convex and least at the goal.
+    static Impulse cut(const Impulse& start, const Impulse& goal, std::int64_t most,
+                       const Impulse& otherwise) {
+        constexpr int bits = 12;
+        const auto at = [&](std::int64_t step) {
+            Impulse i;
+            for (int r = 0; r < 3; ++r) i.t[r] = start.t[r] + (((goal.t[r] - start.t[r]) * step) >> bits);
+            return i;
+        };
+        std::int64_t step = 0;
+        for (int bit = bits - 1; bit >= 0; --bit)
+            if (const std::int64_t next = step + (std::int64_t{1} << bit); at(next).is_within(most))
+                step = next;
+        return step == 0 ? otherwise : at(step);
     }
 
     // ---- impacts -------------------------------------------------------------------------------------------------

@@ -339,6 +339,7 @@ void start_turn(const BodyColumns& columns, std::size_t at, const StepConstants&
     turn.own = columns.mass[row].gyration;
     turn.held = s.jointed;
     turn.stiff = s.radii != turn.own;
+    turn.meets_still = false;
     four.any_held = four.any_held || turn.held;
     four.held[lane] = turn.held ? -1 : 0, four.stiff[lane] = turn.stiff ? -1 : 0;
     four.linear_mask[lane] = static_cast<std::int32_t>(s.linear_mask);
@@ -461,6 +462,27 @@ void forget_precession(SolverBodies& bodies, std::uint32_t turn) {
     for (auto& part : f.four.precession) part[f.lane] = 0;
 }
 
+/// now - before, within 2048 m/s.
+static std::int64_t change_of(std::int64_t now, std::int64_t before) {
+    constexpr std::int64_t most = std::int64_t{2048} << accumulator_bits;
+    return std::clamp(sub_saturated(now, before), -most, most);
+}
+/// x / whole, rounded down, for x below a whole above 0; zero for x below 0.
+static Unit share_of(Wide x, Wide whole) {
+    if (x.is_negative()) return Unit{};
+    std::int32_t raw = 0;
+    for (int i = 0; i < Unit::fraction_bits; ++i) {
+        x = x << 1, raw *= 2;
+        if (!(x < whole)) x = x - whole, ++raw;
+    }
+    return Unit::from_raw(raw);
+}
+/// x times a share, rounded down.
+static std::int64_t part_of(std::int64_t x, Unit share) {
+    constexpr int bits = Unit::fraction_bits;
+    return (x >> bits) * share.raw + (((x & ((std::int64_t{1} << bits) - 1)) * share.raw) >> bits);
+}
+
 // ---- conversion between present rows and rows of the start --------------------------------------------------------
 
 void turn_in(const StepConstants& step, SolverBodies& bodies) {
@@ -498,6 +520,60 @@ void keep_energies(SolverBodies& bodies) {
         const Vec3 momentum = f.momentum();
         set_momentum(f, momentum,
                      turn.shortened_to_energy(most, f.turn.rotation, momentum, FreeTurn::Keep::not_above));
+    });
+}
+
+void find_still_contacts(std::span<const Contact> contacts, SolverBodies& bodies) {
+    if (bodies.turns.empty()) return;
+    const auto set = [&](std::uint32_t row, bool value) {
+        if (const std::uint32_t at = bodies.step[row].turn; at != 0) {
+            FollowedTurn& turn = bodies.turns[at - 1];
+            turn.meets_still = value && !turn.stiff && !turn.held;
+        }
+    };
+    for (const Contact& c : contacts) set(c.body_a, true), set(c.body_b, true);
+    for (const Contact& c : contacts) {
+        const bool slides = c.surface_velocity != SpeedVec3{};
+        if (slides || bodies.step[c.body_b].moves) set(c.body_a, false);
+        if (slides || bodies.step[c.body_a].moves) set(c.body_b, false);
+    }
+}
+
+/// Visits each followed body whose contacts may take energy only.
+template <class Visit> static void for_each_limited(SolverBodies& bodies, const Visit& visit) {
+    for (std::size_t at = 0; at < bodies.turns.size(); ++at)
+        if (bodies.turns[at].meets_still) {
+            const Followed f(bodies, at);
+            visit(f, FreeTurn(f.turn.radii_inv, f.turn.principal));
+        }
+}
+static Wide energy_of(const Followed& f, const FreeTurn& turn, Vec3 momentum) {
+    return square_of(to_real(f.body.v)) + turn.energy(f.turn.rotation, momentum);
+}
+void note_speeds(SolverBodies& bodies) {
+    for_each_limited(bodies, [](Followed f, const FreeTurn& turn) {
+        std::copy_n(f.body.v, 3, f.turn.pass_v), std::copy_n(f.body.u, 3, f.turn.pass_u);
+        f.turn.pass_energy = energy_of(f, turn, f.momentum());
+    });
+}
+void limit_speeds(SolverBodies& bodies) {
+    for_each_limited(bodies, [](Followed f, const FreeTurn& turn) {
+        std::int64_t dv[3], du[3], any = 0;
+        for (int i = 0; i < 3; ++i) {
+            any |= dv[i] = change_of(f.body.v[i], f.turn.pass_v[i]);
+            any |= du[i] = change_of(f.body.u[i], f.turn.pass_u[i]);
+        }
+        if (any == 0) return;
+        const Wide gain = energy_of(f, turn, f.momentum()) - f.turn.pass_energy;
+        if (gain.is_negative() || gain == Wide{}) return;
+        // The energy of a part s of the impulses is e + 2 b s + a s^2, with a that of the changes alone.
+        const Wide a =
+            square_of(to_real(dv)) + turn.energy(f.turn.rotation, mul<Real>(f.step.gyration, to_real(du)));
+        const Unit part = share_of(a - gain, a);
+        for (int i = 0; i < 3; ++i) {
+            f.body.v[i] = add_saturated(f.turn.pass_v[i], part_of(dv[i], part));
+            f.body.u[i] = add_saturated(f.turn.pass_u[i], part_of(du[i], part));
+        }
     });
 }
 

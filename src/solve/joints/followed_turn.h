@@ -33,6 +33,9 @@
 #pragma once
 
 #include "solve/bodies/solver_body.h"
+#include "solve/contacts/contact.h"
+
+#include <span>
 
 namespace lockstone::solve {
 
@@ -57,6 +60,19 @@ void keep_velocity(SolverBodies& bodies);
 /// impulses gave according to the rows, which are those of the start of the tick.
 void note_energies(SolverBodies& bodies);
 void keep_energies(SolverBodies& bodies);
+
+/// Sets FollowedTurn::meets_still: for bodies without joints that touch only still bodies.
+void find_still_contacts(std::span<const Contact> contacts, SolverBodies& bodies);
+/// Call before and after a pass over contacts. The rows have the inertia of the start of the tick. By such rows the
+/// impulses of a pass may add energy to a body that turns by a radian within the tick, up to four times its energy in one
+/// tick. A body that touches only still bodies gets a part of these impulses, with which its energy is as before. Other
+/// bodies get all impulses, since a part of the impulse of a pair would change the momentum of the pair.
+void note_speeds(SolverBodies& bodies);
+void limit_speeds(SolverBodies& bodies);
+
+/// Before and after a pass over contacts: note_u() and note_speeds(); keep_velocity() and limit_speeds().
+inline void begin_contacts(SolverBodies& bodies) { note_u(bodies), note_speeds(bodies); }
+inline void end_contacts(SolverBodies& bodies) { keep_velocity(bodies), limit_speeds(bodies); }
 
 /// Computes FollowedTurn::spin, the angular velocity of the momentum K m at the present rotation.
 void find_spins(const StepConstants& step, SolverBodies& bodies);
