@@ -17,12 +17,14 @@ class SweptBox {
             const std::int64_t low = begin.lower[i].raw, high = begin.upper[i].raw;
             const std::int64_t low_end = end.lower[i].raw, high_end = end.upper[i].raw;
             middle[i] = (low + high + low_end + high_end) >> 2;
-            half_way[i] = (low_end + high_end - low - high) >> 2;
+            const std::int64_t half_way = (low_end + high_end - low - high) >> 2;
             half_size[i] = (high - low > high_end - low_end ? high - low : high_end - low_end) / 2 + 2;
-            is_short &= (half_way[i] < 0 ? -half_way[i] : half_way[i]) <= half_size[i];
+            is_short &= magnitude_of(half_way) <= half_size[i];
+            way[i] = half_way >> 2, way_size[i] = magnitude_of(way[i]);
             // At the border of the range positions are clamped, so the direction of motion is unknown.
             is_clamped |= hull.lower[i] == Bound::min() || hull.upper[i] == Bound::max();
         }
+        for (int i = 0; i < 3; ++i) rounding[i] = 2 * (way_size[(i + 1) % 3] + way_size[(i + 2) % 3]) + 8;
     }
     const Bounds& bounds() const { return hull; }
 
@@ -31,22 +33,19 @@ class SweptBox {
         if (!overlap(hull, b)) return false;
         if (is_clamped) return true;
         // In units of four steps, below 2^31: products of two, and their sums, fit 64 bits.
-        std::int64_t m[3], h[3], d[3];
+        std::int64_t m[3], h[3], size[3];
         for (int i = 0; i < 3; ++i) {
             const std::int64_t low = b.lower[i].raw, high = b.upper[i].raw;
             m[i] = (middle[i] - ((low + high) >> 1)) >> 2;
             h[i] = ((((high - low) >> 1) + half_size[i]) >> 2) + 2;
-            d[i] = half_way[i] >> 2;
+            size[i] = magnitude_of(m[i]) + h[i];
         }
-        const auto magnitude_of = [](std::int64_t x) { return x < 0 ? -x : x; };
         for (int i = 0; i < 3; ++i) {
             const int j = i == 2 ? 0 : i + 1, k = i == 0 ? 2 : i - 1;
-            const std::int64_t apart = magnitude_of(d[j] * m[k] - d[k] * m[j]);
-            const std::int64_t together = h[j] * magnitude_of(d[k]) + h[k] * magnitude_of(d[j]);
-            // d is rounded by less than one unit, m by two.
-            const std::int64_t rounding = magnitude_of(m[j]) + magnitude_of(m[k]) + h[j] + h[k] +
-                                          2 * (magnitude_of(d[j]) + magnitude_of(d[k])) + 8;
-            if (apart > together + rounding) return false;
+            const std::int64_t apart = magnitude_of(way[j] * m[k] - way[k] * m[j]);
+            const std::int64_t together = h[j] * way_size[k] + h[k] * way_size[j];
+            // `way` is rounded by less than one unit, m by two.
+            if (apart > together + size[j] + size[k] + rounding[i]) return false;
         }
         return true;
     }
@@ -57,7 +56,11 @@ class SweptBox {
 
   private:
     Bounds hull;
-    std::int64_t middle[3], half_way[3], half_size[3];
+    static std::int64_t magnitude_of(std::int64_t x) { return x < 0 ? -x : x; }
+
+    std::int64_t middle[3], half_size[3]; ///< in steps
+    std::int64_t way[3], way_size[3];     ///< half of the way and its size, in four steps
+    std::int64_t rounding[3];             ///< bound of the errors that `way` causes, by axis of the test
     bool is_clamped = false;
     bool is_short = true; ///< it moves by at most its own size along each axis
 };

@@ -153,6 +153,34 @@ std::string mesh_is_found() {
     return "";
 }
 
+/// Two small triangles at heights -0.1 and 0, 40 cm beside the path of a box of 1 m that moves down. The box is cast at
+/// them, and is beside them.
+std::string queries_find_triangles() {
+    std::vector<Vec3> vertices;
+    for (const Real y : {-0.1_r, 0_r})
+        for (const Vec3 corner : {Vec3{0.4_r, y, 0_r}, Vec3{0.4_r, y, 0.1_r}, Vec3{0.5_r, y, 0_r}})
+            vertices.push_back(corner);
+    const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}, {3, 4, 5}};
+    const auto library = std::make_shared<AssetLibrary>();
+    const AssetId id =
+        library->add(bake_mesh({.vertices = vertices, .triangles = triangles}).value()).value();
+    shapes::SolidCache cache(library);
+    const shapes::Solid mesh = cache.resolve(library->geometry(id).value()).value(),
+                        moving{box(0.5_r, 0.5_r, 0.5_r)};
+    collide::NarrowScratch scratch;
+    collide::CastHit hit{};
+    collide::RelativePose pose{Rotation::identity(), {Coordinate{}, decimal<Coordinate>("2"), Coordinate{}}};
+    const CoordinateVec3 down{Coordinate{}, decimal<Coordinate>("-4"), Coordinate{}};
+    if (!collide::cast_shape(mesh, moving, pose, down, scratch, hit) || hit.feature != 1)
+        return "a box that is cast down does not hit the upper triangle";
+    collide::Nearest nearest{};
+    pose.position.y = decimal<Coordinate>("0.7");
+    if (!collide::nearest_points(mesh, moving, pose, decimal<Coordinate>("3"), scratch, nearest) ||
+        nearest.feature_a != 1)
+        return "the upper triangle is not the nearest to a box above both";
+    return "";
+}
+
 /// A rotated box and a rotated capsule, six of each: enough to fill the lanes more than once.
 std::string many_have_their_bounds() {
     const Quat turned = from_axis_angle({unit_one, Unit{}, Unit{}}, 0.6_r) *
@@ -246,6 +274,7 @@ Checks shape_checks() {
             {"a face that is kept is the nearest", kept_face_is_nearest},
             {"edges that are kept are the nearest", kept_edges_are_nearest},
             {"what is near a mesh has contacts", mesh_is_found},
+            {"queries find triangles", queries_find_triangles},
             {"limbs pass where contacts push them out", limbs_pass},
             {"small cones weigh as large ones", small_cones_weigh_as_large_ones},
             {"many boxes have the bounds of each", many_have_their_bounds}};

@@ -51,7 +51,7 @@ HOMES = [
     ("system_error", "errc error_code generic_category system_category system_error"),
     ("thread", "sleep_for thread yield"),
     ("tuple", "tie tuple"),
-    ("type_traits", "conditional_t decay_t has_unique_object_representations_v integral_constant is_constant_evaluated is_enum_v is_integral_v "
+    ("type_traits", "conditional_t invoke_result_t is_void_v decay_t has_unique_object_representations_v integral_constant is_constant_evaluated is_enum_v is_integral_v "
                     "is_same_v is_signed_v is_trivially_copyable_v remove_cvref_t remove_reference_t underlying_type_t"),
     ("utility", "cmp_greater cmp_less exchange in_range index_sequence integer_sequence make_index_sequence make_integer_sequence"),
     ("utility variant", "in_place_index in_place_type"),

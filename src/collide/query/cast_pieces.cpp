@@ -67,4 +67,25 @@ shapes::Extent swept_extent(Long3 from_24, Long3 to_24, std::int64_t radius_24) 
     return {coordinates(low), coordinates(high)};
 }
 
+shapes::Extent swept_extent(Long3 from_24, Long3 to_24, const Box& box, std::int64_t guard_24) {
+    Long3 low{}, high{};
+    for (int i = 0; i < 3; ++i) {
+        low[i] = smaller(from_24[i], to_24[i]) + box.lower_24[i] - guard_24;
+        high[i] = larger(from_24[i], to_24[i]) + box.upper_24[i] + guard_24;
+    }
+    return {coordinates(low), coordinates(high)};
+}
+
+Box box_of(const Convex& shape) {
+    Box box{};
+    for (int i = 0; i < 3; ++i) {
+        Long3 axis{};
+        axis[i] = one_30;
+        box.upper_24[i] = (support(shape, axis).at_30[i] >> 6) + shape.radius.raw + 1;
+        axis[i] = -one_30;
+        box.lower_24[i] = (support(shape, axis).at_30[i] >> 6) - shape.radius.raw;
+    }
+    return box;
+}
+
 } // namespace lockstone::collide

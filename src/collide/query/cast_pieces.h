@@ -5,6 +5,8 @@
 #include "collide/query/cast_line.h"
 #include "shapes/mesh/face.h"
 
+#include <type_traits>
+
 namespace lockstone::collide {
 
 /// A convex piece of a solid, in that solid's frame.
@@ -29,15 +31,30 @@ struct Between {
 /// that origin. May stop early above `limit_30`, as closest_points_within does.
 Between between(const Obstacle& obstacle, const Convex& shape, Long3 position_24, std::int64_t limit_30);
 
+/// Box of a convex shape around its origin, in the axes of the working frame.
+struct Box {
+    Long3 lower_24, upper_24;
+};
+Box box_of(const Convex& shape);
+
 /// The bounds of a ball that moves from `from` to `to`.
 shapes::Extent swept_extent(Long3 from_24, Long3 to_24, std::int64_t radius_24);
 
+/// The bounds of a box that moves from `from` to `to`, larger by `guard_24` on all sides.
+shapes::Extent swept_extent(Long3 from_24, Long3 to_24, const Box& box, std::int64_t guard_24);
+
 /// Calls visit(obstacle) for the pieces of a solid whose extents overlap `where`, in ascending order of
-/// feature.
+/// feature. Stops where visit() returns false; visit() may also return nothing.
 template <class Visit>
 void for_each_obstacle(const shapes::Solid& solid, const shapes::Extent& where, NarrowScratch& scratch,
                        Visit&& visit) {
     Obstacle o{Obstacle::Kind::convex, 0, &solid, nullptr, nullptr, false};
+    const auto goes_on = [&visit](const Obstacle& piece) {
+        if constexpr (std::is_void_v<std::invoke_result_t<Visit&, const Obstacle&>>)
+            return visit(piece), true;
+        else
+            return visit(piece);
+    };
     if (has_triangles(solid)) {
         o.kind = Obstacle::Kind::triangle;
         o.one_sided = !shapes::is_two_sided(solid);
@@ -47,7 +64,7 @@ void for_each_obstacle(const shapes::Solid& solid, const shapes::Extent& where, 
             const shapes::Face triangle = shapes::face_at(solid, index);
             o.feature = index;
             o.triangle = &triangle;
-            visit(o);
+            if (!goes_on(o)) return;
         }
     } else if (solid.geometry.kind == ShapeKind::compound) {
         scratch.parts.clear();
@@ -57,11 +74,11 @@ void for_each_obstacle(const shapes::Solid& solid, const shapes::Extent& where, 
             o.feature = index;
             o.solid = &part.solid;
             o.place = &part.local;
-            visit(o);
+            if (!goes_on(o)) return;
         }
     } else {
         if (solid.geometry.kind == ShapeKind::plane) o.kind = Obstacle::Kind::plane;
-        visit(o);
+        goes_on(o);
     }
 }
 

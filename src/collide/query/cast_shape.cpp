@@ -20,7 +20,23 @@ struct Caster {
     const Line& line;    ///< path of the shape's origin, in the solid's frame
     const Convex& shape; ///< with its origin at the origin of the working frame
     std::int64_t reach_24;
+    Box box{}; ///< of the shape; set where the solid has triangles or parts
 };
+
+/// A superset of the part of the line on which the shape may touch the triangle: there their boxes meet. Most triangles
+/// near a slanted path are settled by this test.
+Span span_of_triangle(const Caster& c, const shapes::Face& triangle) {
+    constexpr std::int64_t guard_24 = 256; // more than close_30
+    Long3 low = raw(triangle.corner[0]), high = low;
+    for (int k = 1; k < 3; ++k)
+        for (int i = 0; i < 3; ++i) {
+            low[i] = smaller(low[i], triangle.corner[k][i].raw);
+            high[i] = larger(high[i], triangle.corner[k][i].raw);
+        }
+    for (int i = 0; i < 3; ++i)
+        low[i] -= c.box.upper_24[i] + guard_24, high[i] -= c.box.lower_24[i] - guard_24;
+    return span_of_box(c.line, {coordinates(low), coordinates(high)});
+}
 
 Long3 position_24(const Line& line, std::int64_t at_30) {
     return at_30 == 0 ? line.from_24 : shifted(point_30(line, at_30), 6);
@@ -124,6 +140,12 @@ bool overlaps_at_start(const Caster& c, const Obstacle& o) {
 
 void try_obstacle(const Caster& c, const Obstacle& o, Span span, CastHit& hit, bool& found) {
     CastHit at{};
+    if (o.kind == Obstacle::Kind::triangle && c.shape.core != Convex::Core::point) {
+        const Span may = span_of_triangle(c, *o.triangle);
+        if (may.empty() || may.enter_30 > span.exit_30 || may.exit_30 < span.enter_30 ||
+            (found && may.enter_30 > up(hit.distance.raw, 6) + close_30))
+            return;
+    }
     if (faces_away(o, c.line)) {
         if (span.enter_30 != 0 || !overlaps_at_start(c, o)) return;
         at = hit_at_start(c.line, o.feature);
@@ -216,8 +238,8 @@ class BallCaster {
 /// Stops when a hit lies before the next piece. look(span, at_24, where) takes the rest of the line, its start
 /// and the box of the piece, and returns how many obstacles it tested.
 template <class Look>
-void look_in_pieces(const shapes::Solid& solid, const Line& line, std::int64_t reach_24, const bool& found,
-                    const CastHit& hit, Look&& look) {
+void look_in_pieces(const shapes::Solid& solid, const Line& line, std::int64_t reach_24, const Box& box,
+                    const bool& found, const CastHit& hit, Look&& look) {
     const std::int64_t first_piece = larger(up(reach_24, 6) * 8, std::int64_t{1} << 26);
     Span span{0, line.length_30};
     if (line.length_30 > first_piece) {
@@ -229,8 +251,8 @@ void look_in_pieces(const shapes::Solid& solid, const Line& line, std::int64_t r
         if (found && up(hit.distance.raw, 6) <= from) break;
         const std::int64_t end = smaller(from + piece, span.exit_30);
         const Long3 from_24 = position_24(line, from);
-        const std::size_t seen = look(Span{from, span.exit_30}, from_24,
-                                      swept_extent(from_24, position_24(line, end), reach_24 + 256));
+        const std::size_t seen =
+            look(Span{from, span.exit_30}, from_24, swept_extent(from_24, position_24(line, end), box, 256));
         from = end + 1;
         piece = seen == 0   ? smaller(piece * 2, first_piece * 64)
                 : seen > 64 ? larger(piece / 2, first_piece / 8)
@@ -240,14 +262,15 @@ void look_in_pieces(const shapes::Solid& solid, const Line& line, std::int64_t r
 
 bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& scratch, CastHit& hit) {
     bool found = false;
-    look_in_pieces(solid, c.line, c.reach_24, found, hit, [&](Span rest, Long3, const shapes::Extent& where) {
-        std::size_t seen = 0;
-        for_each_obstacle(solid, where, scratch, [&](const Obstacle& o) {
-            ++seen;
-            try_obstacle(c, o, rest, hit, found);
-        });
-        return seen;
-    });
+    look_in_pieces(solid, c.line, c.reach_24, c.box, found, hit,
+                   [&](Span rest, Long3, const shapes::Extent& where) {
+                       std::size_t seen = 0;
+                       for_each_obstacle(solid, where, scratch, [&](const Obstacle& o) {
+                           ++seen;
+                           try_obstacle(c, o, rest, hit, found);
+                       });
+                       return seen;
+                   });
     return found;
 }
 
@@ -289,9 +312,11 @@ bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const 
     const std::int64_t reach = reach_24(moving);
     if (is_ball && has_triangles(solid)) return cast_ball(solid, line, reach, nullptr, scratch, hit);
     const Convex shape = is_ball ? ball_of(reach) : convex_of(moving, pose.rotation, CoordinateVec3{});
-    const Caster c{line, shape, reach};
-    if (has_triangles(solid) || solid.geometry.kind == ShapeKind::compound)
+    Caster c{line, shape, reach};
+    if (has_triangles(solid) || solid.geometry.kind == ShapeKind::compound) {
+        c.box = box_of(shape);
         return cast_in_pieces(solid, c, scratch, hit);
+    }
     const Obstacle whole{solid.geometry.kind == ShapeKind::plane ? Obstacle::Kind::plane
                                                                  : Obstacle::Kind::convex,
                          0,
@@ -312,8 +337,9 @@ bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const 
 bool cast_ball(const shapes::Solid& solid, const Line& line, std::int64_t radius_24, NearFaces* near,
                NarrowScratch& scratch, CastHit& hit) {
     const BallPath path{line, radius_24};
+    const Box box{{-radius_24, -radius_24, -radius_24}, {radius_24, radius_24, radius_24}};
     bool found = false;
-    look_in_pieces(solid, line, radius_24, found, hit,
+    look_in_pieces(solid, line, radius_24, box, found, hit,
                    [&](Span rest, Long3 from_24, const shapes::Extent& where) {
                        BallCaster balls(solid, path, rest, from_24, hit, found);
                        std::size_t seen = 0;

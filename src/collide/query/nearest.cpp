@@ -13,11 +13,12 @@ struct Search {
     std::int64_t best_30;
 };
 
-void try_obstacle(Search& s, const Obstacle& o) {
+/// Returns false where no other obstacle can be nearer.
+bool try_obstacle(Search& s, const Obstacle& o) {
     const Between b =
         between(o, s.shape, s.position_24, s.found ? smaller(s.limit_30, s.best_30) : s.limit_30);
     const std::int64_t distance = b.overlap ? 0 : b.distance_30;
-    if (distance > s.limit_30 || (s.found && distance >= s.best_30)) return;
+    if (distance > s.limit_30 || (s.found && distance >= s.best_30)) return true;
     s.found = true;
     s.best_30 = distance;
     Nearest& n = s.best;
@@ -26,7 +27,7 @@ void try_obstacle(Search& s, const Obstacle& o) {
     if (b.overlap) {
         n.normal = UnitVec3{};
         n.on_a = n.on_b = coordinates(s.position_24);
-        return;
+        return false;
     }
     n.normal = unit_of_30(b.normal_30);
     const Long3 across{narrow_rounded(Wide::product(b.normal_30[0], distance), 30),
@@ -34,6 +35,7 @@ void try_obstacle(Search& s, const Obstacle& o) {
                        narrow_rounded(Wide::product(b.normal_30[2], distance), 30)};
     n.on_a = coordinates(s.position_24 + shifted(b.on_obstacle_30, 6));
     n.on_b = coordinates(s.position_24 + shifted(b.on_obstacle_30 + across, 6));
+    return true;
 }
 
 /// Searches a solid with many pieces in growing boxes. The first box that holds a point nearer than its half
@@ -41,11 +43,12 @@ void try_obstacle(Search& s, const Obstacle& o) {
 void search_pieces(const shapes::Solid& a, std::int64_t reach, NarrowScratch& scratch, Search& s) {
     const std::int64_t limit = s.limit_30;
     const std::int64_t limit_24 = (limit >> 6) + 1;
+    const Box box = box_of(s.shape);
     std::int64_t width = smaller(larger(reach, std::int64_t{1} << 20), limit_24);
     for (;;) {
         s.limit_30 = smaller(limit, up(width, 6));
-        for_each_obstacle(a, swept_extent(s.position_24, s.position_24, reach + width + 16), scratch,
-                          [&](const Obstacle& o) { try_obstacle(s, o); });
+        for_each_obstacle(a, swept_extent(s.position_24, s.position_24, box, width + 16), scratch,
+                          [&](const Obstacle& o) { return try_obstacle(s, o); });
         if (s.found || width >= limit_24) return;
         width = smaller(width * 4, limit_24);
     }
@@ -67,7 +70,7 @@ bool nearest_points(const shapes::Solid& a, const shapes::Solid& b, const Relati
         if (has_triangles(a) || a.geometry.kind == ShapeKind::compound)
             search_pieces(a, reach_24(part), scratch, s);
         else
-            for_each_obstacle(a, {}, scratch, [&](const Obstacle& o) { try_obstacle(s, o); });
+            for_each_obstacle(a, {}, scratch, [&](const Obstacle& o) { return try_obstacle(s, o); });
         if (!s.found || (found && s.best.distance >= out.distance)) return;
         out = s.best;
         found = true;

@@ -555,6 +555,7 @@ Unit time_of_impact(const shapes::Solid& a, const Sweep& sweep_a, const shapes::
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
             if (first > Unit{} && corridor.may_meet(o))
                 first = min(first, advance(w, o, m, up(std::int64_t{target.raw}, 6), first));
+            return first > Unit{};
         });
     });
     return first;
@@ -590,6 +591,7 @@ Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::S
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
             if (first > Unit{} && corridor.may_meet(o))
                 first = min(first, piece_stop(w, begin, o, m, lift, held, first));
+            return first > Unit{};
         });
     });
     return first;
