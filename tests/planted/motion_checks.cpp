@@ -3,6 +3,7 @@
 #include "checks.h"
 #include "law/zoo/case.h"
 #include "law/zoo/passage.h"
+#include "law/zoo/pole_points.h"
 #include "support/rigs/asked.h"
 #include "support/rigs/corrected.h"
 #include "support/rigs/elastic.h"
@@ -438,6 +439,13 @@ Checks motion_checks() {
                  const zoo::Case c = zoo::draw_shot(seed);
                  if (std::string found = zoo::energy_law(c, zoo::track(c)); !found.empty()) return found;
              }
+             return std::string();
+         }},
+        {"poles have their points on them", [] { return first_fault(zoo::pole_point_fault, 20); }},
+        {"thin bodies that touch gain no energy",
+         [] {
+             for (const zoo::Case& c : {zoo::draw_pair(558), zoo::draw_pair(2614), zoo::draw_meeting(1161)})
+                 if (std::string found = zoo::energy_law(c, zoo::track(c)); !found.empty()) return found;
              return std::string();
          }},
         {"shots stay above floors", [] { return zoo_fault(zoo::draw_shot, zoo::passage_law, 60); }},
