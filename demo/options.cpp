@@ -1,7 +1,6 @@
 #include "options.h"
 
 #include "cli/text.h"
-#include "scenes/load_assets.h"
 
 #include <CLI/CLI.hpp>
 

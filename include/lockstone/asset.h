@@ -21,6 +21,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lockstone {
@@ -136,6 +137,11 @@ class AssetLibrary {
     Result<AssetId> add_set(std::span<const std::byte> bytes);
     std::map<AssetId, std::unique_ptr<const shapes::Asset>> assets;
 };
+
+/// Adds the assets of a file that `lockstone cook` wrote, one or a set, and returns the id of the last one.
+/// Needs a system with files. Errors name the file: it cannot be read, or the error of AssetLibrary::add().
+/// The library is then as before.
+Result<AssetId> load_assets(const std::string& path, AssetLibrary& library);
 
 /// Triangles of a shape.
 struct TriangleSoup {

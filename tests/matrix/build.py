@@ -12,7 +12,7 @@ import threading
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Sources that need threads or directories. A target without them (WebAssembly) builds the other sources.
-WITHOUT_THREADS = {"src/base/worker_pool.cpp", "replay/verifier.cpp", "tools/scenes/load_assets.cpp"}
+WITHOUT_THREADS = {"src/base/worker_pool.cpp", "replay/verifier.cpp", "src/shapes/asset/load_assets.cpp"}
 
 # Headers that most sources include. Each build precompiles them, because compilers spend much of their time on headers.
 PRELUDE = ("lockstone/world.h", "world/data.h", "algorithm", "array", "functional", "map", "memory", "optional", "sstream", "string", "vector")

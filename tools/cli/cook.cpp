@@ -4,7 +4,6 @@
 #include "cli/text.h"
 #include "cook/import.h"
 #include "cook/memory_limit.h"
-#include "scenes/load_assets.h"
 #include "json/json.h"
 
 #include <algorithm>

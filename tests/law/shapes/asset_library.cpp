@@ -8,6 +8,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <set>
 #include <string>
@@ -341,4 +343,29 @@ TEST_CASE("a compound has the mass of its parts and its tree finds each part") {
             CHECK(found != all);
         }
     }
+}
+
+TEST_CASE("load_assets() adds the assets of a file and names the file in an error") {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path();
+    const std::string path = (folder / "lockstone_load_assets.lsa").string();
+    const auto write = [&](const AssetBytes& bytes) {
+        std::ofstream file(path, std::ios::binary);
+        for (const std::byte b : bytes) file.put(static_cast<char>(b));
+    };
+    AssetLibrary source, library;
+    const AssetId hull = source.add(fuzz::sample_hull(true)).value();
+    const CompoundPart part{source.geometry(hull).value(), {}};
+    AssetBytes set = encode_assets({{fuzz::sample_hull(true), bake_compound(std::span(&part, 1)).value()}});
+    write(set);
+    const AssetId loaded = load_assets(path, library).value();
+    CHECK(library.find(loaded)->kind == ShapeKind::compound);
+    CHECK(library.contains(hull));
+    set.back() = ~set.back();
+    write(set);
+    AssetLibrary empty;
+    CHECK(load_assets(path, empty).error().message.starts_with(path + ": asset set: asset 1 of 2"));
+    CHECK(empty.ids().empty());
+    std::filesystem::remove(path);
+    CHECK(load_assets(path, empty).error().message.starts_with(path + ": cannot read: "));
+    CHECK(load_assets(folder.string(), empty).error().message.find("is a directory") != std::string::npos);
 }

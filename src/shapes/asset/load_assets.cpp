@@ -1,4 +1,5 @@
-#include "scenes/load_assets.h"
+// Reads a file of assets into a library.
+#include "lockstone/asset.h"
 
 #include <array>
 #include <cerrno>
@@ -8,6 +9,7 @@
 #include <system_error>
 
 namespace lockstone {
+
 Result<AssetId> load_assets(const std::string& path, AssetLibrary& library) {
     std::error_code none;
     if (std::filesystem::is_directory(path, none)) return Error{path + ": is a directory, not an asset"};
