@@ -1,4 +1,5 @@
 // Restitution against its closed forms: the speeds at which bodies part, their energy, and the friction of the rebound.
+#include "support/about.h"
 #include "support/effort.h"
 #include "support/rigs/elastic.h"
 
