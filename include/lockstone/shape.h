@@ -81,6 +81,29 @@ inline constexpr Length shape_size_min = decimal<Length>("0.0025");
 inline constexpr Length shape_size_max = decimal<Length>("100");
 ///@}
 
+/// True if the sizes of a primitive, before `scale`, are within their ranges; validate() then accepts it with
+/// a `scale` of 1. False for other kinds.
+constexpr bool is_sized(const Geometry& geometry) {
+    const auto within = [](Length low, Length size) { return size >= low && size <= shape_size_max; };
+    const LengthVec3& half = geometry.half_extent;
+    const Length least = shape_size_min, widest = max(half.x, max(half.y, half.z));
+    switch (geometry.kind) {
+    case ShapeKind::sphere:
+        return within(least, geometry.radius);
+    case ShapeKind::capsule:
+        return within(least, geometry.radius) && within(Length{}, half.y) &&
+               within(least, half.y + geometry.radius);
+    case ShapeKind::cylinder:
+    case ShapeKind::cone:
+    case ShapeKind::box:
+        return within(least, half.x) && within(least, half.y) && within(least, half.z) &&
+               within(Length{}, geometry.radius) && within(least, widest + geometry.radius) &&
+               (geometry.kind == ShapeKind::box || half.x == half.z);
+    default:
+        return false;
+    }
+}
+
 // These functions round sizes to Length and clamp them to 128 m. validate() checks the ranges.
 /// A sphere. Radius [m], 0.0025..100, as all sizes here.
 constexpr Geometry sphere(Real radius) { return {ShapeKind::sphere, to<Length>(radius), LengthVec3{}}; }
@@ -114,10 +137,21 @@ constexpr Geometry rounded(Geometry geometry, Real radius) {
     geometry.radius = to<Length>(radius);
     return geometry;
 }
-/// The geometry scaled by `factor` on all axes. Ranges: see Geometry.
+/// The geometry scaled by `factor` on all axes. The sizes of a primitive are multiplied and rounded to
+/// Length, and its `scale` remains, if all results are within the ranges of validate(): any such factor is
+/// good for any body. Otherwise the factor multiplies `scale` of a primitive: 2, 4 and 8 make static shapes
+/// of up to 800 m. The `scale` of other kinds is replaced by the factor. Ranges of `scale`: see Geometry.
 constexpr Geometry scaled(Geometry geometry, Real factor) {
-    const Length f = to<Length>(factor);
-    geometry.scale = {f, f, f};
+    if (geometry.kind > ShapeKind::box) {
+        const Length f = to<Length>(factor);
+        geometry.scale = {f, f, f};
+        return geometry;
+    }
+    Geometry sized = geometry;
+    sized.radius = mul<Length>(geometry.radius, factor);
+    sized.half_extent = scale<Length>(geometry.half_extent, factor);
+    if (factor > Real{} && is_sized(sized)) return sized;
+    geometry.scale = scale<Length>(geometry.scale, factor);
     return geometry;
 }
 

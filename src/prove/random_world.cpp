@@ -178,8 +178,9 @@ void RandomWorld::add_scenery(std::uint64_t seed) {
 
     BodyDef ramp{.kind = BodyKind::static_};
     ramp.pose = {{2_r, 0.2_r, 0_r}, turn()};
-    taken(world.create_shape(taken(world.create_body(ramp)),
-                             {.geometry = scaled(box(0.4_r, 0.2_r, 0.6_r), 2_r)}));
+    Geometry slab = box(0.4_r, 0.2_r, 0.6_r);
+    slab.scale = {Length(2), Length(2), Length(2)};
+    taken(world.create_shape(taken(world.create_body(ramp)), {.geometry = slab}));
 
     BodyDef paddle{.kind = BodyKind::kinematic};
     paddle.pose.position = {-0.5_r, 0.5_r, 0_r};

@@ -207,7 +207,10 @@ TEST_CASE("misuse: a rejected geometry has zero mass and zero gyration and no tr
     CHECK(mass_properties(box(1_r, 1_r, 1_r), 1_r).mass == 8_r); // negative control
     CHECK(triangulate(instance(ShapeKind::hull, AssetId{9}), none).triangles.empty());
     CHECK_FALSE(triangulate(sphere(1_r), none, -5).triangles.empty());
-    CHECK(validate(scaled(sphere(1_r), 3_r)).find("scale") != std::string::npos);
+    CHECK(validate(scaled(sphere(60_r), 3_r)).find("scale") != std::string::npos);
+    CHECK(validate(scaled(sphere(1_r), Real(-1))).find("scale") != std::string::npos);
+    CHECK_FALSE(is_sized(sphere(Real(-1))));
+    CHECK_FALSE(is_sized(plane()));
     CHECK(validate(rounded(box(1_r, 1_r, 1_r), Real(-1))).find("radius") != std::string::npos);
     CHECK(validate(capsule(1_r, 1000_r)) != "");
     CHECK(validate(cylinder(Real(-1), 1_r)) != "");

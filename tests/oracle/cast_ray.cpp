@@ -1,5 +1,6 @@
 // Rays against every kind of solid, judged in double precision from the definitions.
 #include "oracle/cast_double.h"
+#include "support/rigs/scale_field.h"
 
 #include <doctest/doctest.h>
 
@@ -103,7 +104,7 @@ Tally shoot(Solids& solids, ShapeKind kind, bool round, double scale, int count,
     for (int i = 0; i < count; ++i) {
         Geometry g = random_primitive(random, kind, scale > 1 ? 1 : 0.01, scale > 1 ? 90 : 20, round);
         if (kind == ShapeKind::capsule && g.half_extent.y + g.radius > shape_size_max) continue;
-        g = scaled(g, real(scale));
+        g = test::with_scale(g, real(scale));
         const Body s = body_of(g);
         const Shot shot = random_shot(random, s);
         const CoordinateVec3 from = coordinates(shot.from), way = coordinates(shot.way);

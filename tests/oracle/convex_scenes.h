@@ -2,6 +2,7 @@
 #pragma once
 
 #include "oracle/convex_double.h"
+#include "support/rigs/scale_field.h"
 
 #include <memory>
 
@@ -122,7 +123,7 @@ inline Solid random_solid(RandomReal& random, const HullPool& pool, ConvexKind k
     if (kind >= ConvexKind::round_cylinder)
         solid.geometry.radius = lockstone::to<lockstone::Length>(real(s * random.log_uniform(0.01, 0.3)));
     if (core_kind(kind) != ShapeKind::hull && factor > 1)
-        solid.geometry = lockstone::scaled(solid.geometry, lockstone::Real(8));
+        solid.geometry = lockstone::test::with_scale(solid.geometry, lockstone::Real(8));
     return solid;
 }
 

@@ -4,6 +4,7 @@
 #include "lockstone/math/random.h"
 #include "oracle/big.h"
 #include "shapes/submerged.h"
+#include "support/rigs/scale_field.h"
 
 #include <doctest/doctest.h>
 
@@ -200,7 +201,7 @@ TEST_CASE("mass and inertia and volume of primitives of 2.5 mm to 100 m at every
     int failures = 0;
     for (int i = 0; i < tries && failures < 5; ++i) {
         Geometry g = any_primitive(random);
-        g = scaled(g, Real(1 << random.below(4)));
+        g = test::with_scale(g, Real(1 << random.below(4)));
         REQUIRE(validate(g) == "");
         const Real density = random.below(4) == 0 ? 0.01_r : size(random, Real(100000));
         const std::string what = complaint(g, density);

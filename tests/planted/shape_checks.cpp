@@ -5,6 +5,7 @@
 #include "collide/query/cast.h"
 #include "shapes/asset/asset.h"
 #include "solve/kernels/kernels.h"
+#include "support/rigs/scale_field.h"
 
 namespace planted {
 
@@ -12,7 +13,7 @@ namespace {
 
 /// A ball in a box that reaches 1074 m along its diagonal, with that diagonal as the hint of a separating direction.
 std::string hint_of_large_box() {
-    const shapes::Solid ball{sphere(1_r)}, cliff{scaled(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
+    const shapes::Solid ball{sphere(1_r)}, cliff{test::with_scale(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
     const Coordinate along = decimal<Coordinate>("57.735");
     const Unit third = decimal<Unit>("0.577350269");
     collide::NarrowScratch scratch;
@@ -264,6 +265,14 @@ std::string small_cones_weigh_as_large_ones() {
     return off <= most && -off <= most ? "" : "a small cone weighs too much or too little";
 }
 
+/// A box times 3, and capsules of 135 m as a whole, which cannot be.
+std::string scaled_shapes_have_their_size() {
+    const Geometry large = scaled(rounded(box(1_r, 2_r, 0.5_r), 0.25_r), 3_r);
+    if (!(large == rounded(box(3_r, 6_r, 1.5_r), 0.75_r))) return "a box times 3 is not three times as large";
+    return scaled(capsule(30_r, 60_r), 1.5_r).radius == Length(30) ? ""
+                                                                   : "a capsule is longer than it may be";
+}
+
 } // namespace
 
 Checks shape_checks() {
@@ -277,6 +286,7 @@ Checks shape_checks() {
             {"queries find triangles", queries_find_triangles},
             {"limbs pass where contacts push them out", limbs_pass},
             {"small cones weigh as large ones", small_cones_weigh_as_large_ones},
+            {"scaled shapes have their size", scaled_shapes_have_their_size},
             {"many boxes have the bounds of each", many_have_their_bounds}};
 }
 

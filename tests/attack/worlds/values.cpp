@@ -1,4 +1,5 @@
 #include "values.h"
+#include "support/rigs/scale_field.h"
 
 #include <algorithm>
 
@@ -160,7 +161,7 @@ Geometry geometry(Values& v, BodyKind kind, const AssetLibrary& assets) {
         return g;
     }
     Geometry g = primitive(v);
-    if (kind == BodyKind::static_) g = scaled(g, Real(1 << v.integer(0, 3, 0)));
+    if (kind == BodyKind::static_) g = test::with_scale(g, Real(1 << v.integer(0, 3, 0)));
     return g;
 }
 

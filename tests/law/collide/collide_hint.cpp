@@ -3,6 +3,7 @@
 #include "lockstone/math/math.h"
 #include "oracle/double_shapes.h"
 #include "solve/kernels/kernels.h"
+#include "support/rigs/scale_field.h"
 
 #include <doctest/doctest.h>
 
@@ -181,7 +182,7 @@ TEST_CASE("are_parted() returns false without a direction that is known to separ
     oracle::RandomReal random(14);
     const shapes::Solid stone = ball_hull(library, random, 0.1), ball{sphere(0.1_r)},
                         post{cylinder(0.1_r, 0.1_r)}, spike{cone(0.1_r, 0.1_r)},
-                        large{scaled(box(1_r, 1_r, 1_r), 2_r)};
+                        large{test::with_scale(box(1_r, 1_r, 1_r), 2_r)};
     const Rotation axes = Rotation::identity();
     const UnitVec3 up{Unit{}, unit_one, Unit{}};
     const auto parts = [&](const shapes::Solid& a, const shapes::Solid& b, Real height, UnitVec3 axis) {
@@ -205,7 +206,7 @@ TEST_CASE("are_parted() returns false without a direction that is known to separ
 TEST_CASE("a hint does not separate a ball from the box of 1240 m that contains it") {
     // The box reaches 1074 m along its diagonal. With 54 fraction bits 1024 m wrap around 64 bits, so the box would
     // seem to reach 50 m.
-    const shapes::Solid ball{sphere(1_r)}, cliff{scaled(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
+    const shapes::Solid ball{sphere(1_r)}, cliff{test::with_scale(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
     const Unit third = decimal<Unit>("0.577350269");
     const auto points_at = [&](double metres) {
         const Coordinate along = as_fixed<Coordinate>(metres * 0.577350269);

@@ -4,6 +4,7 @@
 #include "oracle/double_shapes.h"
 #include "support/about.h"
 #include "support/effort.h"
+#include "support/rigs/scale_field.h"
 
 #include <doctest/doctest.h>
 
@@ -229,7 +230,7 @@ TEST_CASE("the drawing of each primitive is closed and has the mass of its shape
     SolidCache cache(nullptr);
     for (const Geometry& g : primitives)
         for (const int factor : {1, 4}) {
-            const Geometry shape = scaled(g, Real(factor));
+            const Geometry shape = test::with_scale(g, Real(factor));
             const Measured drawn = measure(triangulate(shape, library, 40));
             const MassProperties m = mass_properties(shape, 1_r);
             INFO(std::string(name_of(g.kind)), " rounded by ", oracle::as_double(g.radius));

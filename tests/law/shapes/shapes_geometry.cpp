@@ -1,5 +1,6 @@
 // Functions that make shapes: they refuse invalid ones with a helpful sentence.
 #include "lockstone/shape.h"
+#include "support/rigs/scale_field.h"
 
 #include <doctest/doctest.h>
 
@@ -55,9 +56,11 @@ TEST_CASE("validate() accepts cylinders and cones and rounded shapes within thei
 }
 
 TEST_CASE("validate() accepts scales and assets only for the kinds that may have them") {
-    for (const Real factor : {1_r, 2_r, 4_r, 8_r}) CHECK(validate(scaled(box(1_r, 1_r, 1_r), factor)) == "");
+    for (const Real factor : {1_r, 2_r, 4_r, 8_r})
+        CHECK(validate(test::with_scale(box(1_r, 1_r, 1_r), factor)) == "");
     for (const Real factor : {0_r, 3_r, 16_r, 0.5_r})
-        CHECK(mentions(validate(scaled(sphere(1_r), factor)), "it must be 1, 2, 4 or 8 on all axes"));
+        CHECK(
+            mentions(validate(test::with_scale(sphere(1_r), factor)), "it must be 1, 2, 4 or 8 on all axes"));
     Geometry uneven = box(1_r, 1_r, 1_r);
     uneven.scale.y = Length(2);
     CHECK(validate(uneven) == "box scale is (1, 2, 1), it must be 1, 2, 4 or 8 on all axes");
@@ -82,7 +85,7 @@ TEST_CASE("a scale of 2 or 4 or 8 multiplies the mass by its cube and the gyrati
                               rounded(box(1_r, 2_r, 3_r), 0.5_r)})
         for (const int factor : {2, 4, 8}) {
             const MassProperties one = mass_properties(g, 1_r),
-                                 large = mass_properties(scaled(g, Real(factor)), 1_r);
+                                 large = mass_properties(test::with_scale(g, Real(factor)), 1_r);
             CHECK(large.mass == one.mass * (factor * factor * factor));
             CHECK(large.center == one.center * Real(factor));
             CHECK(large.gyration_squared.x.x == one.gyration_squared.x.x * (factor * factor));

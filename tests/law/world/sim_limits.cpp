@@ -1,6 +1,7 @@
 // Extreme values: the world clamps values outside of the documented range and counts them, and no sequence of commands
 // breaks it.
 #include "support/about.h"
+#include "support/rigs/scale_field.h"
 #include "support/sim_script.h"
 #include "support/split_mix.h"
 
@@ -84,7 +85,7 @@ ShapeDef shape_def(test::SplitMix& r) {
     if (r.one_in(4)) d.geometry = cone(size, size);
     if (r.one_in(4)) d.geometry = rounded(d.geometry, shift_right(size, 3));
     if (r.one_in(4)) d.geometry = plane();
-    if (r.one_in(8)) d.geometry = scaled(d.geometry, Real(1 << r.below(4)));
+    if (r.one_in(8)) d.geometry = test::with_scale(d.geometry, Real(1 << r.below(4)));
     if (r.one_in(3)) d.local = pose(r);
     if (r.one_in(3)) d.density = abs(number(r));
     if (r.one_in(3)) d.friction = abs(number(r));
