@@ -138,6 +138,21 @@ class AssetLibrary {
     std::map<AssetId, std::unique_ptr<const shapes::Asset>> assets;
 };
 
+/// Bakes a copy of an asset with each point p at (factor.x p.x, factor.y p.y, factor.z p.z): a negative
+/// factor mirrors. Absolute factors 0.001..1000. The result goes to AssetLibrary::add(); for a compound with
+/// hulls it is a set: its hulls, each once, then the compound.
+///   hull          baked anew
+///   mesh          triangles keep their order, outside, material and SurfacePart; those without area after
+///                 rounding are dropped. A mirror also mirrors the surface velocities of materials
+///   height field  positive factors only, factor.x = factor.z; spacing and heights are rounded to Length
+///   compound      poses of parts are scaled and mirrored. If the absolute factors are equal, so are the
+///                 parts. If not, hulls are baked with their rotation, and primitives need axes parallel to
+///                 those of the compound and no rounding: boxes, and cylinders and cones with equal factors
+///                 across their axis
+/// Errors name the asset, the factor, the part and the reason: no such asset, a factor out of range, a part
+/// that has no exact form, or the error of the bake function of the result.
+Result<AssetBytes> bake_scaled(const AssetLibrary& library, AssetId id, Vec3 factor);
+
 /// Adds the assets of a file that `lockstone cook` wrote, one or a set, and returns the id of the last one.
 /// Needs a system with files. Errors name the file: it cannot be read, or the error of AssetLibrary::add().
 /// The library is then as before.

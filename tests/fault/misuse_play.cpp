@@ -186,6 +186,7 @@ TEST_CASE("misuse: an asset library returns errors for wrong arguments and adds 
             "asset set: asset 0 of 2: asset:");
     refused("what did not bake", status_of(library.add(bake_hull({}))), "");
     refused("geometry of nobody", status_of(library.geometry(nobody)), "0x1234");
+    refused("a copy of nobody", status_of(bake_scaled(library, nobody, {2_r, 2_r, 2_r})), "0x1234");
     refused("a file that is not there", status_of(load_assets("/no/such/file.lsa", library)),
             "/no/such/file.lsa: cannot read: ");
     refused("a folder", status_of(load_assets("/", library)), "/: is a directory, not an asset");

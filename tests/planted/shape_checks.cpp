@@ -273,6 +273,38 @@ std::string scaled_shapes_have_their_size() {
                                                                    : "a capsule is longer than it may be";
 }
 
+/// Returns the height of an asset above y = 0 at a place, by a ray from 9 m; -9: it is not hit.
+Real height_at(const std::shared_ptr<const AssetLibrary>& library, AssetId id, Real x) {
+    World world = scene::made(World::create(scene::small_def(), {}, library));
+    scene::add(world, {.kind = BodyKind::static_}, {.geometry = scene::made(library->geometry(id))});
+    const auto hit = world.cast_ray({{x, 9_r, 0.125_r}, {0_r, -18_r, 0_r}});
+    return hit ? hit->point.y : -9_r;
+}
+
+/// A ramp as a mesh, and a rotated box beside a cone, mirrored along x and y.
+std::string mirrored_assets_are_images() {
+    const std::vector<Vec3> vertices = {
+        {-4_r, 0_r, -4_r}, {-4_r, 0_r, 4_r}, {4_r, 2_r, 4_r}, {4_r, 2_r, -4_r}};
+    const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}, {0, 2, 3}};
+    const CompoundPart parts[] = {
+        {box(2_r, 0.25_r, 1_r), {{}, from_axis_angle({Unit{}, Unit{}, unit_one}, 0.4_r)}},
+        {cone(1_r, 1_r), {{5_r, 0_r, 0_r}, Quat::identity()}}};
+    AssetLibrary made;
+    const AssetId ramp = made.add(bake_mesh({.vertices = vertices, .triangles = triangles})).value(),
+                  pair = made.add(bake_compound(parts)).value();
+    const AssetId ramp_in_x = made.add(bake_scaled(made, ramp, {-1_r, 1_r, 1_r})).value(),
+                  pair_in_x = made.add(bake_scaled(made, pair, {-1_r, 1_r, 1_r})).value(),
+                  pair_in_y = made.add(bake_scaled(made, pair, {1_r, -1_r, 1_r})).value();
+    const auto library = std::make_shared<const AssetLibrary>(std::move(made));
+    const auto differ = [](Real a, Real b) { return abs(a - b) > 0.0001_r; };
+    if (differ(height_at(library, ramp_in_x, -3_r), height_at(library, ramp, 3_r)))
+        return "a mirrored ramp is not the image";
+    if (differ(height_at(library, pair_in_x, -1_r), height_at(library, pair, 1_r)))
+        return "a mirrored box is not the image";
+    if (height_at(library, pair_in_y, 5.5_r) < 0.99_r) return "a mirrored cone does not stand on its apex";
+    return "";
+}
+
 } // namespace
 
 Checks shape_checks() {
@@ -287,6 +319,7 @@ Checks shape_checks() {
             {"limbs pass where contacts push them out", limbs_pass},
             {"small cones weigh as large ones", small_cones_weigh_as_large_ones},
             {"scaled shapes have their size", scaled_shapes_have_their_size},
+            {"mirrored assets are images", mirrored_assets_are_images},
             {"many boxes have the bounds of each", many_have_their_bounds}};
 }
 

@@ -38,6 +38,10 @@ bool is_asset_set(std::span<const std::byte> bytes);
 Result<std::unique_ptr<const Asset>> parse_asset(std::span<const std::byte> bytes,
                                                  const AssetLibrary& library);
 
+/// bake_mesh() that keeps the order of the triangles. sources[i]: what hits tell of triangle i; at most
+/// mesh_triangles_max - 1, one for each triangle.
+Result<AssetBytes> bake_mesh_in_order(const MeshDef& def, std::span<const std::uint32_t> sources);
+
 /// Encodes the parsed asset again. The result equals asset.bytes.
 AssetBytes rebuilt(const Asset& asset);
 

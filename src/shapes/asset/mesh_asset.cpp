@@ -126,12 +126,14 @@ std::string complaint(const MeshDef& def) {
     return {};
 }
 
-MeshContent ordered(const MeshDef& def) {
+/// `own_sources`: see bake_mesh_in_order(), which keeps the order; null: the index of each triangle is its source,
+/// and the triangles are ordered in space.
+MeshContent ordered(const MeshDef& def, const std::uint32_t* own_sources) {
     const Welded welded = weld(def.vertices);
     std::vector<TriangleIndices> kept;
     std::vector<std::array<CoordinateVec3, 3>> corners;
     std::vector<std::uint16_t> materials;
-    std::vector<std::uint32_t> sources;
+    std::vector<std::uint32_t> sources, order;
     for (std::uint32_t i = 0; i < def.triangles.size(); ++i) {
         TriangleIndices t = def.triangles[i];
         for (std::uint32_t& v : t) v = welded.first_equal[v];
@@ -140,8 +142,10 @@ MeshContent ordered(const MeshDef& def) {
         kept.push_back(t);
         corners.push_back({c[0], c[1], c[2]});
         materials.push_back(def.materials.empty() ? std::uint16_t{0} : def.materials[i]);
-        sources.push_back(i);
+        order.push_back(static_cast<std::uint32_t>(sources.size()));
+        sources.push_back(own_sources != nullptr ? own_sources[i] : i);
     }
+    if (own_sources == nullptr) order = SpaceOrder(corners).result();
     MeshContent content;
     content.two_sided = def.two_sided;
     content.flat_sine = def.flat_sine;
@@ -149,7 +153,7 @@ MeshContent ordered(const MeshDef& def) {
     bool is_moved = false;
     const bool any_material = std::ranges::any_of(materials, [](std::uint16_t m) { return m != 0; });
     std::vector<std::uint32_t> name(def.vertices.size(), not_numbered);
-    for (std::uint32_t i : SpaceOrder(corners).result()) {
+    for (std::uint32_t i : order) {
         TriangleIndices t = kept[i];
         for (std::uint32_t& v : t) {
             if (name[v] == not_numbered) {
@@ -296,16 +300,26 @@ std::unique_ptr<const Mesh> read_mesh(base::ByteReader& in) {
     return std::make_unique<const Mesh>(std::move(content));
 }
 
-} // namespace shapes
+namespace {
 
-Result<AssetBytes> bake_mesh(const MeshDef& def) {
-    if (std::string why = shapes::complaint(def); !why.empty()) return Error{std::move(why)};
-    const shapes::MeshContent content = shapes::ordered(def);
+Result<AssetBytes> bake_ordered(const MeshDef& def, const std::uint32_t* own_sources) {
+    if (std::string why = complaint(def); !why.empty()) return Error{std::move(why)};
+    const MeshContent content = ordered(def, own_sources);
     if (content.triangles.empty())
-        return Error{base::join("mesh has no triangle with an area, of ", def.triangles.size())};
-    shapes::AssetWriter writer(ShapeKind::mesh, shapes::minor_version(content));
-    shapes::write_mesh(writer.out(), content);
+        return Error{join("mesh has no triangle with an area, of ", def.triangles.size())};
+    AssetWriter writer(ShapeKind::mesh, minor_version(content));
+    write_mesh(writer.out(), content);
     return std::move(writer).finish();
 }
+
+} // namespace
+
+Result<AssetBytes> bake_mesh_in_order(const MeshDef& def, std::span<const std::uint32_t> sources) {
+    return bake_ordered(def, sources.data());
+}
+
+} // namespace shapes
+
+Result<AssetBytes> bake_mesh(const MeshDef& def) { return shapes::bake_ordered(def, nullptr); }
 
 } // namespace lockstone
