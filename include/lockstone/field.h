@@ -93,6 +93,13 @@ constexpr FieldDef wind(Vec3 velocity, const Region& region = {}) {
     return d;
 }
 
+/// The part of a body below the surfaces of fluids; World::submersion().
+struct Submersion {
+    Unit fraction; ///< of the volume of the body's shapes, 0..1
+    Vec3 center;   ///< centre of that part, world [m]; the body's centre of mass where the fraction is 0
+    Real volume;   ///< of that part [m^3], at most 2.1e9
+};
+
 /// Strength of an explosion over the distance.
 enum class Falloff : std::uint32_t {
     none,           ///< constant up to the radius

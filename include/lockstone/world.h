@@ -172,7 +172,15 @@ class World {
     std::uint32_t field_count() const;         ///< Number of force fields.
     FieldId field_at(std::uint32_t row) const; ///< The field in a row; row < field_count().
     FieldDef field(FieldId field) const;       ///< The present definition of a field.
-    std::vector<BodyId> bodies() const;        ///< All bodies in row order. Allocates.
+    /// The part of a body of any kind that is in fluid fields at its present pose. Fluids without a density,
+    /// such as wind(), and fluids whose mask excludes a shape do not count; BodyDef::enable_fields does not
+    /// matter. Whether a shape is in a region, see lockstone/field.h. Each convex part of a shape counts with
+    /// the fluid that covers most of it: for parallel surfaces this is the part below the highest. Volumes of
+    /// parts add up, overlaps twice. Sensors, meshes, height fields and planes have no volume. Error of the
+    /// fraction of each part: 1e-6 for spheres, boxes and hulls, 0.004 for cylinders, cones and capsules; for
+    /// rounded parts at most radius / (size of the core) where their faces are not level.
+    Submersion submersion(BodyId body) const;
+    std::vector<BodyId> bodies() const; ///< All bodies in row order. Allocates.
     /// True for a dynamic body that is not asleep, and for a static or kinematic body that moves or that a
     /// command changed since the last tick.
     bool is_awake(BodyId body) const;

@@ -64,6 +64,11 @@ ShownArea hull_area(const Hull& hull, Real radius, UnitVec3 d) {
 
 ShownArea shown_area(const Solid& convex, UnitVec3 d) {
     const Geometry& g = convex.geometry;
+    if (convex.hull == nullptr && g.scale != scale_one) {
+        const std::int32_t factor = factor_of(g);
+        const ShownArea small = shown_area(at_scale_one(convex), d);
+        return {small.area * (factor * factor), small.center * Real(factor)};
+    }
     const Real r = to<Real>(g.radius);
     if (convex.hull != nullptr) return hull_area(*convex.hull, r, d);
     const Vec3 h = to<Real>(g.half_extent) + Vec3{r, r, r};

@@ -18,8 +18,6 @@ using base::join;
 /// Limit for meshes and height fields at their scale [m].
 constexpr Coordinate terrain_reach_max = Coordinate(8000);
 
-std::int64_t factor_of(const Geometry& g) { return g.scale.x.raw >> Length::fraction_bits; }
-
 Coordinate furthest_of(const Extent& e) {
     const CoordinateVec3 reach = max(abs(e.lower), abs(e.upper));
     return max(reach.x, max(reach.y, reach.z));

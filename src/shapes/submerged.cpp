@@ -277,7 +277,7 @@ Plane plane_of(const Surface& s, UnitVec3 n, Real offset, Real& size) {
 Vec3 volume_center(const Solid& convex) {
     if (convex.hull != nullptr) return convex.hull->properties.center;
     if (convex.geometry.kind != ShapeKind::cone) return Vec3{};
-    return {Real{}, -half(to<Real>(convex.geometry.half_extent.y)), Real{}};
+    return {Real{}, -half(to<Real>(convex.geometry.half_extent.y)) * factor_of(convex.geometry), Real{}};
 }
 
 Scaled volume_of(const Solid& convex) {
@@ -287,7 +287,7 @@ Scaled volume_of(const Solid& convex) {
                    : rounded_volume(*convex.hull, scaled(convex.geometry.radius));
     Geometry at_one = convex.geometry;
     at_one.scale = scale_one;
-    const std::int32_t factor = convex.geometry.scale.x.raw >> Length::fraction_bits; // 1, 2, 4 or 8
+    const std::int32_t factor = factor_of(convex.geometry);
     // A large density keeps the bits of small volumes. With 1 kg/m^3 the masses of 8e6 m^3 fit, with this
     // density those of up to 21,474 m^3.
     constexpr Real dense = Real(100000);
@@ -298,6 +298,11 @@ Scaled volume_of(const Solid& convex) {
 }
 
 Submerged submerged(const Solid& convex, UnitVec3 n, Real offset) {
+    if (convex.hull == nullptr && convex.geometry.scale != scale_one) {
+        const Real factor = Real(factor_of(convex.geometry));
+        const Submerged small = submerged(at_scale_one(convex), n, offset / factor);
+        return {small.fraction, small.center * factor};
+    }
     if (convex.geometry.kind == ShapeKind::sphere)
         return submerged_ball(to<Real>(convex.geometry.radius), n, offset);
     Work work;

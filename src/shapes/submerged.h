@@ -14,11 +14,11 @@ struct Submerged {
 };
 
 /// The part at n . x < offset [m], |n| = 1, in the solid's frame. For any solid except compounds, meshes,
-/// height fields and planes; primitives must have scale 1. Spheres use a closed form. Boxes and hulls are
-/// clipped, to 1e-7 of the volume. Cylinders and cones are clipped as prisms and pyramids of 16 sides, capsules
-/// as polytopes of 12 sides, with equal volume: see submerged_error. For a rounded solid the core is clipped
-/// and the plane is moved in proportion, so that the solid is dry and fully submerged at the correct heights.
-/// This is exact for level faces; else the error is at most radius / (size of the core).
+/// height fields and planes. Spheres use a closed form. Boxes and hulls are clipped, to 1e-7 of the volume.
+/// Cylinders and cones are clipped as prisms and pyramids of 16 sides, capsules as polytopes of 12 sides,
+/// with equal volume: see submerged_error. For a rounded solid the core is clipped and the plane is moved in
+/// proportion, so that the solid is dry and fully submerged at the correct heights. This is exact for level
+/// faces; else the error is at most radius / (size of the core).
 Submerged submerged(const Solid& convex, UnitVec3 n, Real offset);
 /// Bound of the error of `fraction` for cylinders, cones and capsules.
 inline constexpr Real submerged_error = 0.004_r;

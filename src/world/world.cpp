@@ -252,6 +252,11 @@ FieldDef World::field(FieldId field) const {
     LOCKSTONE_ASSERT(row != sim::Model::dead, "field ", field.index, ":", field.generation, " is not alive");
     return impl->state.rows(impl->m.field)[row].def;
 }
+Submersion World::submersion(BodyId body) const {
+    const std::uint32_t row = living(*impl, body);
+    const base::Holds holds(impl->query.lock);
+    return sim::submersion(*impl, impl->placed, row);
+}
 bool World::is_awake(BodyId body) const { return sim::is_awake(*impl, living(*impl, body)); }
 std::uint32_t World::awake_count() const { return impl->header().bodies_awake; }
 std::uint32_t World::body_count() const { return impl->state.count(impl->m.bodies); }

@@ -164,6 +164,7 @@ TEST_CASE("misuse: a read of an object that does not exist ends the program with
         stops("linear_velocity", [&] { (void)w.linear_velocity(b); });
         stops("angular_velocity", [&] { (void)w.angular_velocity(b); });
         stops("mass", [&] { (void)w.mass(b); });
+        stops("submersion", [&] { (void)w.submersion(b); });
         stops("kind", [&] { (void)w.kind(b); });
         stops("user_key", [&] { (void)w.user_key(b); });
         stops("is_awake", [&] { (void)w.is_awake(b); });

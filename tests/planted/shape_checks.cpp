@@ -305,6 +305,28 @@ std::string mirrored_assets_are_images() {
     return "";
 }
 
+/// A crate of 2 m in two pools and in the wind, and a large one whose size is in its scale.
+std::string submerged_parts_are_told() {
+    World world = scene::made(World::create(scene::small_def()));
+    const auto pool = [](Real surface) {
+        return water({.kind = RegionKind::box,
+                      .pose = {{0_r, surface - 20_r, 0_r}, Quat::identity()},
+                      .half_extent = {90_r, 20_r, 90_r}});
+    };
+    const BodyId crate = scene::add(world, {}, {.geometry = box(1_r, 1_r, 1_r)});
+    const BodyId large = scene::add(world, {.kind = BodyKind::static_},
+                                    {.geometry = test::with_scale(box(2_r, 2_r, 2_r), 2_r)});
+    const auto is = [&](BodyId body, Real expected) {
+        return abs(to<Real>(world.submersion(body).fraction) - expected) < 0.0001_r;
+    };
+    scene::made(world.create_field(wind({1_r, 0_r, 0_r})));
+    if (!is(crate, 0_r)) return "a crate is under wind";
+    scene::made(world.create_field(pool(0.5_r)));
+    scene::made(world.create_field(pool(-0.5_r)));
+    if (!is(crate, 0.75_r)) return "a crate is not in the higher of two pools";
+    return is(large, 0.5625_r) ? "" : "a scaled box is submerged by another part";
+}
+
 } // namespace
 
 Checks shape_checks() {
@@ -320,6 +342,7 @@ Checks shape_checks() {
             {"small cones weigh as large ones", small_cones_weigh_as_large_ones},
             {"scaled shapes have their size", scaled_shapes_have_their_size},
             {"mirrored assets are images", mirrored_assets_are_images},
+            {"submerged parts are told", submerged_parts_are_told},
             {"many boxes have the bounds of each", many_have_their_bounds}};
 }
 

@@ -61,9 +61,8 @@ void FluidSolver::gather(const Model& w) {
     for (const FieldRow& row : w.state.rows(w.m.field)) {
         if (row.def.kind != FieldKind::fluid) continue;
         const Region& region = row.def.region;
-        const UnitVec3 up = to_rotation(region.pose.rotation).y;
-        fluids.push_back(
-            {row.id, row.def, up, region.pose.position + lockstone::scale<Real>(up, region.half_extent.y)});
+        const UnitVec3 up = up_of(region);
+        fluids.push_back({row.id, row.def, up, surface_of(region, up)});
     }
     std::sort(fluids.begin(), fluids.end(), [](const Fluid& a, const Fluid& b) {
         return std::tuple(-std::int64_t{a.def.priority}, a.id) <
@@ -77,10 +76,10 @@ bool FluidSolver::reaches(const Model& w, const StepConstants& step, const Fluid
                           Real reach, std::uint32_t body_row, bool& is_cut) const {
     const Region& region = fluid.def.region;
     is_cut = false;
-    if (region.kind != RegionKind::box) return solve::contains(region, center);
+    if (!is_between_walls(region, center)) return false;
+    if (region.kind != RegionKind::box) return true;
     const Vec3 p = rotate_inverse(region.pose.rotation, center - region.pose.position),
                h = region.half_extent;
-    if (abs(p.x) > h.x || abs(p.z) > h.z || p.y < -h.y) return false;
     const Velocity& v = w.state.rows(w.m.body_velocity)[body_row];
     const Real speed = to<Real>(length(v.linear)) + Real(1);
     const Real margin = reach + speed / Real(step.ticks_per_second);

@@ -28,6 +28,18 @@ struct FieldsOfTick {
 };
 void list_fields(const Model& w, FieldsOfTick& out);
 
+/// Normal of the surface of a box region.
+inline UnitVec3 up_of(const Region& region) { return to_rotation(region.pose.rotation).y; }
+/// A point of the surface of a box region: the middle of its top.
+inline Vec3 surface_of(const Region& region, UnitVec3 up) {
+    return region.pose.position + lockstone::scale<Real>(up, region.half_extent.y);
+}
+/// True if a centre of volume is in the region; a box has no top here.
+bool is_between_walls(const Region& region, Vec3 center);
+
+/// World::submersion() of the body in a row. Updates `placed` to the state.
+Submersion submersion(const Model& w, PlacedShapes& placed, std::uint32_t body_row);
+
 class FluidSolver {
   public:
     /// Finds the bodies in fluids. Call once a tick, when bodies are in solver form.

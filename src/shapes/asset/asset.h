@@ -138,6 +138,16 @@ struct Compound {
     std::unique_ptr<const BoundsHierarchy> hierarchy; ///< over the parts in that order; null for up to eight
 };
 
+/// The `scale` of a valid primitive: 1, 2, 4 or 8.
+constexpr std::int32_t factor_of(const Geometry& primitive) {
+    return primitive.scale.x.raw >> Length::fraction_bits;
+}
+/// The solid of a primitive without its `scale`.
+constexpr Solid at_scale_one(Solid primitive) {
+    primitive.geometry.scale = scale_one;
+    return primitive;
+}
+
 /// Turns geometries into solids, and keeps the hulls that it had to scale. A cache: it has no effect on
 /// results.
 class SolidCache {
