@@ -141,7 +141,7 @@ class AssetLibrary {
 /// Bakes a copy of an asset with each point p at (factor.x p.x, factor.y p.y, factor.z p.z): a negative
 /// factor mirrors. Absolute factors 0.001..1000. The result goes to AssetLibrary::add(); for a compound with
 /// hulls it is a set: its hulls, each once, then the compound.
-///   hull          baked anew
+///   hull          a new hull of the scaled corners
 ///   mesh          triangles keep their order, outside, material and SurfacePart; those without area after
 ///                 rounding are dropped. A mirror also mirrors the surface velocities of materials
 ///   height field  positive factors only, factor.x = factor.z; spacing and heights are rounded to Length

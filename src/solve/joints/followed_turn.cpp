@@ -479,8 +479,7 @@ static Unit share_of(Wide x, Wide whole) {
 }
 /// x times a share, rounded down.
 static std::int64_t part_of(std::int64_t x, Unit share) {
-    constexpr int bits = Unit::fraction_bits;
-    return (x >> bits) * share.raw + (((x & ((std::int64_t{1} << bits) - 1)) * share.raw) >> bits);
+    return static_cast<std::int64_t>((Wide::product(x, share.raw) >> Unit::fraction_bits).low_bits());
 }
 
 // ---- conversion between present rows and rows of the start --------------------------------------------------------
