@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/prefetch.h"
+#include "collide/query/motion.h"
 #include "tick/sweeper.h"
 
 #include <algorithm>
@@ -83,28 +84,31 @@ bool passes_one_way(const Sweeper& s, const ShapeRow& wall, Vec3 moved) {
     return dot<Real>(axes_of(s.at(wall)).y, moved) >= Real{};
 }
 
-/// Calls visit(wall, row of its body, path of its body, path of the shape's body) for the shapes that may stop this
-/// one.
+/// Calls visit(wall, row of its body, paths of its body and of the shape's body) for the shapes that may stop this one.
 template <class Visit>
 void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
                    collide::BroadPhase::Asker& near, Visit&& visit) {
     const std::uint32_t row = whole.row;
     const Sweep way = find_near(s, whole, shape, Among::all, near);
+    std::uint32_t slow = Model::dead; // the last body against which the shape is not fast
     for (const std::uint32_t slot : near.proxies) {
         const ShapeRow& wall = s.shapes[s.slots[slot].row];
         const std::uint32_t other = s.w.row_of(wall.body);
-        if (s.traits(wall).sensor != 0 || other == whole.except || !is_swept_against(s, row, other) ||
-            !may_meet(s.w, shape, wall))
+        if (s.traits(wall).sensor != 0 || other == whole.except || other == slow ||
+            !is_swept_against(s, row, other) || !may_meet(s.w, shape, wall))
             continue;
         const Vec3 moved = s.pose[other].position - s.pose_before(other).position;
         if (passes_one_way(s, wall, whole.moved - moved) || passes_one_way(s, shape, moved - whole.moved))
             continue;
         Sweep theirs = s.sweep(other, wall);
         theirs.from = collide::body_pose_at(theirs, whole.begin);
-        if (!is_fast(collide::relative_motion(theirs, way, s.reach(row, shape)), s.at(shape),
-                     s.stands_still(other), s.is_bullet(row)))
+        const collide::Ways ways(theirs, way);
+        if (!is_fast(collide::relative_motion(ways, s.reach(row, shape)), s.at(shape), s.stands_still(other),
+                     s.is_bullet(row))) {
+            slow = other;
             continue;
-        visit(wall, other, theirs, way);
+        }
+        visit(wall, other, ways);
     }
 }
 
@@ -120,10 +124,9 @@ Stop first_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     const auto held = s.info[way.row].first_joint != 0 ? collide::Held::by_joints : collide::Held::not_at_all;
     s.for_each_shape(way.row, [&](const ShapeRow& shape) {
         for_each_wall(s, way, shape, hand.own.near,
-                      [&](const ShapeRow& wall, std::uint32_t other, const Sweep& theirs, const Sweep& own) {
-                          const Unit fraction =
-                              collide::stop_fraction(s.solid(wall), theirs, s.solid(shape), own,
-                                                     hand.own.touching, held, hand.narrow);
+                      [&](const ShapeRow& wall, std::uint32_t other, const collide::Ways& ways) {
+                          const Unit fraction = collide::stop_fraction(s.solid(wall), ways, s.solid(shape),
+                                                                       hand.own.touching, held, hand.narrow);
                           if (fraction < stop.fraction) stop = {fraction, other, shape.id.index};
                       });
     });
@@ -135,9 +138,9 @@ void find_touching(const Sweeper& s, const Way& way, const Hand& hand) {
     hand.own.touching.clear();
     s.for_each_shape(way.row, [&](const ShapeRow& shape) {
         for_each_wall(s, way, shape, hand.own.near,
-                      [&](const ShapeRow& wall, std::uint32_t, const Sweep& theirs, const Sweep& own) {
-                          collide::touching_directions(s.solid(wall), theirs, s.solid(shape), own,
-                                                       hand.narrow, hand.own.touching);
+                      [&](const ShapeRow& wall, std::uint32_t, const collide::Ways& ways) {
+                          collide::touching_directions(s.solid(wall), ways, s.solid(shape), hand.narrow,
+                                                       hand.own.touching);
                       });
     });
 }

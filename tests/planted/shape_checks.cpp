@@ -3,6 +3,8 @@
 #include "collide/bounds.h"
 #include "collide/narrow_phase.h"
 #include "collide/query/cast.h"
+#include "law/collide/long_sweeps.h"
+#include "law/collide/sunken.h"
 #include "shapes/asset/asset.h"
 #include "solve/kernels/kernels.h"
 #include "support/rigs/scale_field.h"
@@ -251,6 +253,28 @@ std::string limbs_pass() {
                                                                     : "";
 }
 
+std::string long_bodies_stop() {
+    test::scene::RandomPoint random(16);
+    test::LongSweepCounts counts;
+    for (int i = 0; i < 4000; ++i)
+        if (std::string fault = test::long_sweep_fault(random, counts); !fault.empty()) return fault;
+    return counts.stopped > 100 ? "" : "none was stopped";
+}
+
+std::string sunken_shapes_come_out() {
+    test::scene::RandomPoint random(22);
+    for (int i = 0; i < 200; ++i)
+        if (std::string fault = test::sunken_fault(random); !fault.empty()) return fault;
+    return "";
+}
+
+std::string bodies_move_within_bounds() {
+    test::scene::RandomPoint random(17);
+    for (int i = 0; i < 1000; ++i)
+        if (std::string fault = test::relative_motion_fault(random); !fault.empty()) return fault;
+    return "";
+}
+
 /// A rounded cone of 4 mm, and one 256 times as large: 2^24 times as heavy, to a step of the small one's mass.
 std::string small_cones_weigh_as_large_ones() {
     const auto mass = [](std::int64_t times) {
@@ -339,6 +363,9 @@ Checks shape_checks() {
             {"what is near a mesh has contacts", mesh_is_found},
             {"queries find triangles", queries_find_triangles},
             {"limbs pass where contacts push them out", limbs_pass},
+            {"long bodies stop where they meet", long_bodies_stop},
+            {"bodies move no further than their bound", bodies_move_within_bounds},
+            {"sunken shapes come out at the nearest triangle", sunken_shapes_come_out},
             {"small cones weigh as large ones", small_cones_weigh_as_large_ones},
             {"scaled shapes have their size", scaled_shapes_have_their_size},
             {"mirrored assets are images", mirrored_assets_are_images},

@@ -232,7 +232,10 @@ class TriangleCollision {
         PointDistance best{std::int64_t{1} << 40, 0};
         LocalTriangle nearest{};
         for (const std::uint32_t index : scratch.triangles) {
-            LocalTriangle t = view_with_edges(index);
+            const shapes::Face face = shapes::face_at(a, index);
+            if (is_further(face, best.distance_20 + same_20)) continue;
+            LocalTriangle t = view(face);
+            set_edges(t, shapes::edges_at(a, face));
             const PointDistance d = distance_from(t, context.center_24);
             if (d.distance_20 > best.distance_20 + same_20) continue;
             if (d.distance_20 < best.distance_20 - same_20 ||
@@ -251,6 +254,21 @@ class TriangleCollision {
         if (scratch.pieces.size() > before) return;
         forced_contact(context, nearest, contact);
         append(nearest, contact);
+    }
+    /// True when the bounds of a triangle are further from the core's centre than a limit [m, 20 fraction bits].
+    bool is_further(const shapes::Face& face, std::int64_t limit_20) const {
+        if (limit_20 > std::int64_t{1} << 31) return false; // so that the squares below fit
+        std::uint64_t square_40 = 0;
+        for (int i = 0; i < 3; ++i) {
+            const std::int64_t x = face.corner[0][i].raw, y = face.corner[1][i].raw,
+                               z = face.corner[2][i].raw;
+            const std::int64_t at = pose.position[i].raw + context.center_24[i];
+            const std::int64_t below = smaller(x, smaller(y, z)) - at, above = at - larger(x, larger(y, z));
+            const std::int64_t off_20 = larger(0, larger(below, above)) >> 4;
+            if (off_20 > limit_20) return true;
+            square_40 += static_cast<std::uint64_t>(off_20 * off_20);
+        }
+        return square_40 > static_cast<std::uint64_t>(limit_20 * limit_20);
     }
     /// True when the nearest point is on the border of an open mesh: the mesh has no inside there.
     bool border_is_nearest(const LocalTriangle& t, const PointDistance& d) const {

@@ -1,10 +1,13 @@
 // Times of impact of turning shapes, by conservative advancement. Each step measures the gap along the normal
 // of the closest points. The gap closes no faster than the approach of the bodies along that normal plus the
-// speed that turning adds.
+// speed that turning adds. It closes no faster either than along the straight line to the gap at the end along that
+// normal, but for the bend of the paths.
 //
 // source: Mirtich, Impulse-based Dynamic Simulation, 1996; Zhang, Redon, Lee, Kim, Continuous Collision Detection for
 // Articulated Models using Taylor Models and Temporal Culling, 2007 (motion bound of a turning body along a direction)
-#include "collide/query/cast_pieces.h"
+#include "collide/core.h"
+#include "collide/mesh/triangles.h"
+#include "collide/query/motion.h"
 #include "collide/swept_box.h"
 
 #include <algorithm>
@@ -12,217 +15,43 @@
 namespace lockstone::collide {
 namespace {
 
-constexpr std::int64_t anything_30 = std::int64_t{1} << 60;
 constexpr int advances_max = 256;
 constexpr std::int64_t stop_gap_30 = std::int64_t{stop_gap.raw} << 6;
 /// A gap below this counts as touching at the start. It is larger than the gap at which a sweep stops, so that
 /// a stopped shape counts as touching in the next tick.
 constexpr std::int64_t touching_gap_30 = stop_gap_30 + stop_gap_30 / 4;
-/// A bound of the rounding errors of gaps and approaches, for tests by a plane or an extent that replace
-/// closest points.
-constexpr std::int64_t roundings = 1024;
-
-/// Rotation of a body during its motion: about one axis, at most at `rate`.
-struct Spin {
-    Long3 axis_30;        ///< zero: not known accurately
-    std::int64_t rate_30; ///< [rad per motion]
-};
-
-/// With half-angle a between the quaternions p and q, the rate of nlerp is at most 4 tan(a / 2), and
-/// tan(a / 2) = |p - q| / |p + q|.
-Spin spin_of(const Sweep& s) {
-    if (s.from.rotation == s.to.rotation) return {Long3{}, 0};
-    const Quat p = s.from.rotation, q = s.to.rotation;
-    const std::int64_t a[4] = {p.x.raw, p.y.raw, p.z.raw, p.w.raw},
-                       b[4] = {q.x.raw, q.y.raw, q.z.raw, q.w.raw};
-    std::uint64_t apart = 0, together = 0;
-    for (int i = 0; i < 4; ++i) {
-        apart += static_cast<std::uint64_t>((a[i] - b[i]) * (a[i] - b[i]));
-        together += static_cast<std::uint64_t>((a[i] + b[i]) * (a[i] + b[i]));
-    }
-    const std::int64_t chord = isqrt(std::min(apart, together)) + 1, sum = isqrt(std::max(apart, together));
-    const Quat turn = q * conjugate(p);
-    constexpr std::int64_t known = 1 << 12; // the axis of a smaller turn is mostly rounding error
-    const Long3 axis = chord > known ? direction_of_30({turn.x.raw, turn.y.raw, turn.z.raw}).unit : Long3{};
-    return {axis, divide_shifted(4 * chord, sum, 30) + 8};
-}
-
-std::int64_t length_of(Long3 v) {
-    return static_cast<std::int64_t>(
-               isqrt(Wide::product(v[0], v[0]) + Wide::product(v[1], v[1]) + Wide::product(v[2], v[2]))) +
-           1;
-}
-std::int64_t times_30(std::int64_t a, std::int64_t b) { return narrow_rounded(Wide::product(a, b), 30); }
-
-/// A bound of the speed along a unit direction at which turning moves a point within `reach` of the axis.
-std::int64_t turning_30(const Spin& spin, Long3 direction_30, std::int64_t reach_30) {
-    if (spin.rate_30 == 0) return 0;
-    std::int64_t across = one_30;
-    if ((spin.axis_30[0] | spin.axis_30[1] | spin.axis_30[2]) != 0) {
-        const Long3 n = direction_30, k = spin.axis_30;
-        const Long3 cross{n[1] * k[2] - n[2] * k[1], n[2] * k[0] - n[0] * k[2], n[0] * k[1] - n[1] * k[0]};
-        // The axis is accurate to 2^-30 / the sine of the half turn: 2^-18 at worst.
-        across = smaller(one_30, length_of(shifted(cross, 30)) + (1 << 13));
-    }
-    return times_30(times_30(across, spin.rate_30), reach_30) + 2;
-}
-
-Long3 way_30(const Sweep& s) { return shifted(raw(s.to.position - s.from.position), 2); }
-
-/// A convex part of B, or the ball or the point in its core.
-struct Mover {
-    const shapes::Solid* solid;
-    Transform place; ///< pose of the part in the frame of B's centre of mass
-    bool is_ball;
-    Coordinate radius;     ///< of the ball
-    Vec3 center;           ///< of the ball, in the part's frame
-    std::int64_t reach_30; ///< distance of the core's points from B's centre of mass, at most
-    Vec3 shift;            ///< world: displacement of the mover for the test
-    int thin_bits = 0;     ///< the test uses the radius of the rounding divided by 2^thin_bits
-
-    Transform pose(const Sweep& b, Unit fraction) const {
-        const Transform body = body_pose_at(b, fraction);
-        return {body.position + rotate(body.rotation, place.position) + shift,
-                normalized(body.rotation * place.rotation)};
-    }
-    Convex shape(const Rotation& rotation) const {
-        if (!is_ball) {
-            Convex all = convex_of(*solid, rotation, CoordinateVec3{});
-            all.radius = Coordinate::from_raw(all.radius.raw >> thin_bits);
-            return all;
-        }
-        Convex ball{};
-        ball.core = Convex::Core::point;
-        ball.radius = radius;
-        ball.center_24 = raw(to<Coordinate>(lockstone::mul<Real>(rotation, center)));
-        return ball;
-    }
-};
-
-Transform place_in_body(const Sweep& b, const Transform* part) {
-    return part == nullptr ? b.local
-                           : Transform{b.local.position + rotate(b.local.rotation, part->position),
-                                       normalized(b.local.rotation * part->rotation)};
-}
-
-std::int64_t length_30(Vec3 v) { return shift_right_rounded(length(v).raw, 2) + 1; }
-
-Mover mover_of(const shapes::Solid& part, const Transform& place) {
-    // Turning does not move the rounding of a shape, only the core's points. For kinds whose core's reach is
-    // not computed here, the whole shape counts.
-    const Geometry& g = part.geometry;
-    std::int64_t core = up(reach_24(part), 6);
-    if (g.kind == ShapeKind::sphere) core = 0;
-    if (g.kind == ShapeKind::capsule) core = up(std::int64_t{g.half_extent.y.raw} * (g.scale.x.raw >> 24), 6);
-    return {&part, place, false, Coordinate{}, Vec3{}, length_30(place.position) + core, Vec3{}};
-}
-Mover ball_of(const Mover& whole, Coordinate radius) {
-    Mover ball = whole;
-    ball.is_ball = true;
-    ball.radius = radius;
-    ball.center = shapes::core_center(*whole.solid);
-    ball.reach_30 = length_30(whole.place.position + rotate(whole.place.rotation, ball.center));
-    return ball;
-}
-
-/// The motions of both bodies, and bounds of their approach.
-struct Ways {
-    const Sweep &a, &b;
-    Spin spin_a, spin_b;
-    Long3 closing_30;      ///< displacement of A minus displacement of B
-    std::int64_t speed_30; ///< its length
-    std::int64_t apart_30; ///< a bound of the distance of the centres of mass during the motion
-
-    Ways(const Sweep& sweep_a, const Sweep& sweep_b)
-        : a(sweep_a), b(sweep_b), spin_a(spin_of(a)), spin_b(spin_of(b)), closing_30(way_30(a) - way_30(b)),
-          speed_30(length_of(closing_30)), apart_30(length_30(b.from.position - a.from.position) + speed_30) {
-    }
-
-    /// A bound of the speed at which a gap along a direction from A to B (world) closes [m per motion]. A's
-    /// turning can be seen as motion of A's points, or in A's frame as motion of B's points and of the
-    /// direction; the smaller of both bounds holds.
-    std::int64_t approach_30(const Mover& m, std::int64_t reach_a_30, Long3 direction_30) const {
-        const std::int64_t sum =
-            dot_dropped(closing_30, direction_30, 30) + turning_30(spin_b, direction_30, m.reach_30) + 4;
-        if (spin_a.rate_30 == 0) return sum;
-        const std::int64_t reach_b_30 = apart_30 + m.reach_30 + up(std::int64_t{m.radius.raw}, 6);
-        return sum +
-               smaller(turning_30(spin_a, direction_30, reach_a_30),
-                       turning_30(spin_a, direction_30, reach_b_30) + times_30(spin_a.rate_30, speed_30));
-    }
-    /// As above, for any direction.
-    std::int64_t approach_max_30(const Mover& m, std::int64_t reach_a_30) const {
-        return speed_30 + times_30(spin_b.rate_30, m.reach_30) + 64 +
-               smaller(times_30(spin_a.rate_30, reach_a_30),
-                       times_30(spin_a.rate_30,
-                                apart_30 + m.reach_30 + up(std::int64_t{m.radius.raw}, 6) + speed_30));
-    }
-    /// Distance of an obstacle's points from A's centre of mass, at most; 0 when A does not turn.
-    std::int64_t reach_of(const Obstacle& o) const {
-        if (spin_a.rate_30 == 0) return 0;
-        switch (o.kind) {
-        case Obstacle::Kind::plane:
-            return anything_30;
-        case Obstacle::Kind::convex:
-            return mover_of(*o.solid, place_in_body(a, o.place)).reach_30;
-        default:
-            break;
-        }
-        std::int64_t most = 0;
-        for (const CoordinateVec3& corner : o.triangle->corner)
-            most = larger(most, length_30(to<Real>(corner)));
-        return most + length_30(a.local.position);
-    }
-};
-
-struct Measured {
-    Between gap;
-    Long3 direction_30; ///< world, from A to B
-};
-
-/// Pose and shape of a mover at one time, for all pieces of A.
-struct Standing {
-    Rotation axes;     ///< orientation of A
-    Rotation rotation; ///< orientation of the mover in A's frame
-    Long3 place_24;
-    Convex shape;
-
-    static Standing at(const Ways& w, const Mover& m, Unit fraction, bool on_plane) {
-        const Transform pose_a = pose_at(w.a, fraction), pose_b = m.pose(w.b, fraction);
-        const RelativePose rel =
-            on_plane ? plane_relative_pose(pose_a, pose_b) : relative_pose(pose_a, pose_b);
-        return {to_rotation(pose_a.rotation), rel.rotation, raw(rel.position), m.shape(rel.rotation)};
-    }
-    /// As above, for a ball or point inside the mover.
-    Standing of(const Mover& inside) const { return {axes, rotation, place_24, inside.shape(rotation)}; }
-};
-
-Long3 in_world(const Standing& s, Long3 direction_30) {
-    return raw(lockstone::mul<Unit>(s.axes, unit_of_30(direction_30)));
-}
-
-Measured measure(const Standing& s, const Obstacle& o, std::int64_t limit_30) {
-    const Between gap = between(o, s.shape, s.place_24, limit_30);
-    return {gap, gap.overlap ? Long3{} : in_world(s, gap.normal_30)};
-}
-Measured measure(const Ways& w, const Obstacle& o, const Mover& m, Unit fraction, std::int64_t limit_30) {
-    return measure(Standing::at(w, m, fraction, o.kind == Obstacle::Kind::plane), o, limit_30);
+/// A bound of the speed at which a gap along a direction from A closes from the time `at` to the end [m per motion].
+/// The height of a point above a plane of A is at least that on the straight line between its heights at both times,
+/// less c t (1 - t) / 2 for a second derivative of at most c; so is the least height of all points.
+std::int64_t approach_to_end_30(const Ways& w, const Mover& m, const Ends& ends, const Standing& at,
+                                Unit fraction, Long3 normal_30) {
+    const std::int64_t curve = w.curve_30(m.reach_30), left = one_30 - fraction.raw;
+    constexpr std::int64_t shortest = one_30 >> 12; // a bound of a shorter rest is mostly rounding
+    if (curve == anything_30 || left < shortest) return anything_30;
+    const std::int64_t nearer =
+        ends.drop_30(at, normal_30) + times_30(curve, times_30(left, left)) / 2 + roundings;
+    return left == one_30 ? nearer : divide_shifted(nearer, left, 30) + 1;
 }
 
 /// The first fraction before `until` at which the gap is `target`; 1 when there is none. `start`: the gap at
 /// fraction 0 if it is known, measured with a limit at least as large as the one here.
-Unit advance(const Ways& w, const Obstacle& o, const Mover& m, std::int64_t target_30, Unit until,
-             const Measured* start = nullptr) {
+Unit advance(const Ways& w, const Obstacle& o, const Mover& m, const Ends& ends, std::int64_t target_30,
+             Unit until, const Measured* start = nullptr) {
     const std::int64_t close = target_30 + larger(target_30 / 8, 2048);
     const std::int64_t reach_a = w.reach_of(o), approach_max = w.approach_max_30(m, reach_a);
     std::int64_t t = 0;
     for (int i = 0; i < advances_max; ++i) {
         const Unit fraction = Unit::from_raw(static_cast<std::int32_t>(t));
         const std::int64_t reachable = times_30(approach_max, until.raw - t) + close;
-        const Measured at = i == 0 && start != nullptr ? *start : measure(w, o, m, fraction, reachable);
+        const std::optional<Standing> later = i == 0 ? std::nullopt : std::optional(ends.at(fraction));
+        const Standing& now = i == 0 ? ends.first() : *later;
+        const Measured at = i == 0 && start != nullptr ? *start : measure(now, o, reachable);
         const std::int64_t distance = at.gap.distance_30;
         if (at.gap.overlap || distance <= (i == 0 ? target_30 : close)) return fraction;
-        const std::int64_t approach = distance > reachable ? 0 : w.approach_30(m, reach_a, at.direction_30);
+        if (distance > reachable) return unit_one;
+        const std::int64_t approach =
+            smaller(w.approach_30(m, reach_a, at.direction_30),
+                    approach_to_end_30(w, m, ends, now, fraction, at.gap.normal_30));
         // The quotient is below 2, so it fits.
         if (approach <= (distance - target_30) / 2) return unit_one;
         t += larger(1, divide_shifted(distance - target_30, approach, 30) - 1);
@@ -244,9 +73,13 @@ struct Box {
     Long3 lower_30, upper_30;
 };
 
-/// The bounds of a mover, including its rounding.
-Box box_of(const Standing& s) {
+/// The bounds of a mover, including its rounding. For a hull they are those of its own box.
+Box box_of(const Standing& s, const Mover& m) {
     Box box{};
+    if (s.shape.core == Convex::Core::hull) {
+        const shapes::Extent e = extent_in(*m.solid, {s.rotation, coordinates(s.place_24)}, Length{});
+        return {up(raw(e.lower), 6), up(raw(e.upper), 6)};
+    }
     const std::int64_t radius = up(std::int64_t{s.shape.radius.raw}, 6);
     for (int i = 0; i < 3; ++i) {
         Long3 along{};
@@ -260,18 +93,18 @@ Box box_of(const Standing& s) {
 
 /// State of a mover at the start, computed once for all pieces of A.
 struct Start {
-    Standing standing;
+    Ends ends;
     CoordinateVec3 core; ///< centre of its core
     Box box;
 
     /// Only triangles and compounds read `core` and `box`.
     Start(const Ways& w, const Mover& m, const shapes::Solid& a)
-        : standing(Standing::at(w, m, Unit{}, a.geometry.kind == ShapeKind::plane)), core{}, box{} {
+        : ends(w, m, a.geometry.kind == ShapeKind::plane), core{}, box{} {
         if (!has_triangles(a) && a.geometry.kind != ShapeKind::compound) return;
-        box = box_of(standing);
+        box = box_of(ends.first(), m);
         if (!has_triangles(a)) return;
         const Transform b = m.pose(w.b, Unit{});
-        core = relative_pose(pose_at(w.a, Unit{}),
+        core = relative_pose(ends.first_pose_a(),
                              {b.position + rotate(b.rotation, shapes::core_center(*m.solid)), b.rotation})
                    .position;
     }
@@ -327,9 +160,9 @@ Corridor corridor_of(const Ways& w, const Mover& m, const shapes::Solid& a, cons
     if (!has_triangles(a) && a.geometry.kind != ShapeKind::compound) return {Long3{}, Long3{}, 0};
     if (w.spin_a.rate_30 == 0) {
         const std::int64_t around = ((bend_30(w, m) + roundings) >> 6) + margin.raw + 64;
-        return {start.box, box_of(Standing::at(w, m, unit_one, false)), around};
+        return {start.box, box_of(start.ends.last(), m), around};
     }
-    const Long3 from = raw(relative_pose(pose_at(w.a, Unit{}), w.b.from).position);
+    const Long3 from = raw(relative_pose(start.ends.first_pose_a(), w.b.from).position);
     const Long3 to = raw(relative_pose(pose_at(w.a, unit_one), w.b.to).position);
     const std::int64_t turned = times_30(w.spin_a.rate_30, w.apart_30) >> 6;
     const std::int64_t around = (length_30(m.place.position) >> 6) + reach_24(*m.solid) + margin.raw;
@@ -361,43 +194,114 @@ Side side_of_box(const Geometry& box, Long3 point_24) {
     return side;
 }
 
-/// The height of a mover above a side of an obstacle at the start. A mover that stays above it during its
-/// motion needs no closest points.
+/// A box in the axes of a core, cut out of it: the part of the core that can reach a piece.
+struct Part {
+    Long3 low_24, high_24; ///< from the core's centre, along its axes
+    bool is_empty = false; ///< no point of the core can reach the piece
+
+    /// The part of the core. `core` is that shape at any time.
+    Convex of(Convex core) const {
+        for (int i = 0; i < 3; ++i) {
+            if (high_24[i] == core.half_24[i] && low_24[i] == -core.half_24[i]) continue;
+            core.center_24 = core.center_24 + shifted(core.axes_30[i] * ((low_24[i] + high_24[i]) / 2), 30);
+            core.half_24[i] = (high_24[i] - low_24[i] + 1) / 2 + 1;
+        }
+        return core;
+    }
+};
+/// True if a core of a kind that can be cut is longer than that, from its centre along one of its axes.
+bool is_longer(const Convex& core, std::int64_t near_24) {
+    if (core.core == Convex::Core::box) return widest(core.half_24) > near_24;
+    return (core.core == Convex::Core::segment || core.core == Convex::Core::cylinder) &&
+           core.half_24[1] > near_24;
+}
+/// The points of such a core that can come within `near_24` of a triangle. The plane of the triangle says little about
+/// the ends of a long core that are far from it.
+Part part_near(const Standing& s, const shapes::Face& t, std::int64_t near_24) {
+    const Convex& core = s.shape;
+    Part part{-core.half_24, core.half_24};
+    const Long3 middle = s.place_24 + core.center_24;
+    const bool is_box = core.core == Convex::Core::box;
+    for (int i = is_box ? 0 : 1; i < (is_box ? 3 : 2); ++i) {
+        std::int64_t least = anything_30, most = -anything_30;
+        for (const CoordinateVec3& corner : t.corner) {
+            const std::int64_t at = dot_dropped(raw(corner) - middle, core.axes_30[i], 30);
+            least = smaller(least, at), most = larger(most, at);
+        }
+        part.low_24[i] = larger(part.low_24[i], least - near_24);
+        part.high_24[i] = smaller(part.high_24[i], most + near_24);
+        part.is_empty = part.is_empty || part.low_24[i] > part.high_24[i];
+    }
+    return part;
+}
+
+/// The height of a mover above a side of an obstacle during its motion. A mover that stays above it needs no closest
+/// points.
 class Above {
   public:
-    Above(const Ways& ways, const Standing& standing, const Obstacle& obstacle, const Mover& mover)
-        : w(ways), s(standing), o(obstacle), m(mover) {
+    Above(const Ways& ways, const Ends& of, const Obstacle& obstacle, const Mover& mover)
+        : w(ways), ends(of), o(obstacle), m(mover) {
         const bool is_box = o.kind == Obstacle::Kind::convex && o.place == nullptr &&
                             o.solid->geometry.kind == ShapeKind::box;
         if (!is_box && o.kind != Obstacle::Kind::triangle) return;
+        const Standing& s = ends.first();
         const Side side =
             is_box ? side_of_box(o.solid->geometry, s.place_24) : side_of_triangle(*o.triangle, s.place_24);
-        normal_30 = side.normal_30;
-        core_30 = side.above_30 + dot_dropped(support(s.shape, -normal_30).at_30, normal_30, 30);
+        normal_30 = side.normal_30, above_30 = side.above_30;
+        core_30 = above_30 + lowest_30(s.shape);
+    }
+    /// Leaves only the part of the core in place that can come within `near_24` of the triangle. False if that is the
+    /// whole core.
+    bool take_near_part(std::int64_t near_24) {
+        const Standing& s = ends.first();
+        if (o.kind != Obstacle::Kind::triangle || !is_longer(s.shape, near_24)) return false;
+        part = part_near(s, *o.triangle, near_24);
+        known_drop_30 = unknown_30;
+        if (!part->is_empty) core_30 = above_30 + lowest_30(part->of(s.shape));
+        return true;
     }
     /// True if the core with this radius of rounding starts apart from the obstacle.
     bool is_apart(std::int64_t radius_24) const { return room_30(radius_24) > 0; }
     /// True if it stays apart during the motion.
     bool keeps(std::int64_t radius_24) {
-        if (!is_apart(radius_24)) return false;
-        if (!is_known) approach_30 = w.approach_30(m, w.reach_of(o), in_world(s, normal_30));
-        is_known = true;
-        return room_30(radius_24) > approach_30;
+        if (part && part->is_empty) return true;
+        const std::int64_t room = room_30(radius_24);
+        if (room <= 0) return false;
+        if (approach_30 == unknown_30)
+            approach_30 = w.approach_30(m, w.reach_of(o), in_world(ends.first(), normal_30));
+        return room > approach_30 || room > drop_30();
     }
 
   private:
+    static constexpr std::int64_t unknown_30 = -anything_30;
+
+    std::int64_t lowest_30(const Convex& core) const {
+        return dot_dropped(support(core, -normal_30).at_30, normal_30, 30);
+    }
     std::int64_t room_30(std::int64_t radius_24) const {
         return core_30 - up(radius_24, 6) - touching_gap_30 - roundings;
     }
+    /// A bound of the decrease of the height, from the heights at both ends and the bend of the paths.
+    std::int64_t drop_30() {
+        if (known_drop_30 != unknown_30) return known_drop_30;
+        const std::int64_t curve = w.curve_30(m.reach_30);
+        if (curve == anything_30) return known_drop_30 = anything_30;
+        const Standing &first = ends.first(), &last = ends.last();
+        const std::int64_t moved = dot_dropped(up(last.place_24 - first.place_24, 6), normal_30, 30),
+                           end = above_30 + moved + lowest_30(part ? part->of(last.shape) : last.shape);
+        return known_drop_30 = larger(0, core_30 - end) + curve / 8 + roundings;
+    }
     const Ways& w;
-    const Standing& s;
+    const Ends& ends;
     const Obstacle& o;
     const Mover& m;
     Long3 normal_30{};
+    std::int64_t above_30 = 0; ///< height of the shape's origin
     /// The core's gap to the side; very negative when there is no such side.
     std::int64_t core_30 = -anything_30;
-    bool is_known = false;
-    std::int64_t approach_30 = 0; ///< a bound of the decrease of the gap during the motion
+    std::optional<Part> part;
+    std::int64_t approach_30 = unknown_30; ///< a bound of the decrease of the gap during the motion
+    std::int64_t known_drop_30 = unknown_30;
 };
 
 /// True if a mover stays beside a triangle's extent during its motion.
@@ -435,15 +339,16 @@ std::int64_t comes_nearer_30(const Ways& w, const Obstacle& o, const Mover& ball
 
 /// Stops the core at a piece: a ball of the given radius around the core's centre, or, where the ball overlaps
 /// the piece at the start, the centre alone.
-Unit core_stop(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole,
+Unit core_stop(const Ways& w, const Ends& whole_ends, const Obstacle& o, const Mover& whole,
                Coordinate radius, Unit until) {
     for (const Mover& ball : {ball_of(whole, radius), ball_of(whole, Coordinate{})}) {
-        const Standing begin = standing.of(ball);
-        if (Above(w, begin, o, ball).keeps(ball.radius.raw)) return unit_one;
-        const Measured start = measure(begin, o, anything_30);
+        const Ends ends = whole_ends.of(ball);
+        if (Above(w, ends, o, ball).keeps(ball.radius.raw)) return unit_one;
+        const Measured start = measure(ends.first(), o, anything_30);
         const std::int64_t distance = start.gap.distance_30;
         if (start.gap.overlap) continue;
-        if (distance > core_gap_30) return advance(w, o, ball, smaller(stop_gap_30, distance / 2), until);
+        if (distance > core_gap_30)
+            return advance(w, o, ball, ends, smaller(stop_gap_30, distance / 2), until, &start);
         return comes_nearer_30(w, o, ball, start.direction_30) > distance / 4 ? Unit{} : unit_one;
     }
     return unit_one;
@@ -464,22 +369,23 @@ Vec3 lift_of(std::span<const UnitVec3> touching) {
 /// contacts push it out. A shape that moves by less than half its inner radius is not swept, so it may become
 /// as deep.
 constexpr int dip_bits = 1;
-bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole) {
+bool sinks_little(const Ways& w, const Ends& ends, const Obstacle& o, const Mover& whole) {
     Mover thin = whole;
     thin.thin_bits = dip_bits;
     if (whole.solid->geometry.radius == Length{}) return false;
-    return advance(w, o, thin, stop_gap_30, unit_one) == unit_one;
+    return advance(w, o, thin, ends.of(thin), stop_gap_30, unit_one) == unit_one;
 }
 /// True if a rounded shape, its rounding reduced to half, stays above one side of the piece. The core's centre
-/// is then above that side by at least half of the inner radius.
-bool is_told_to_pass(const Standing& begin, const Mover& whole, Above& above) {
-    return whole.solid->geometry.radius != Length{} && above.keeps(begin.shape.radius.raw >> dip_bits);
+/// is then above that side by at least half of the inner radius, or the part of the core that can reach the piece does
+/// not contain it.
+bool is_told_to_pass(const Ends& ends, const Mover& whole, Above& above) {
+    return whole.solid->geometry.radius != Length{} && above.keeps(ends.first().shape.radius.raw >> dip_bits);
 }
 
 /// True if the core's centre starts outside of a plane or a box and ends on the same side, no deeper than the
 /// inner radius: contacts then push it out to that side. A stopped limb would be torn from its joints, and a
 /// foot may sink by centimetres when a body comes down on it.
-bool is_pushed_out(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole) {
+bool is_pushed_out(const Ends& ends, const Obstacle& o, const Mover& whole) {
     const bool is_plane = o.kind == Obstacle::Kind::plane;
     if (!is_plane &&
         (o.kind != Obstacle::Kind::convex || o.place != nullptr || o.solid->geometry.kind != ShapeKind::box))
@@ -489,7 +395,7 @@ bool is_pushed_out(const Ways& w, const Standing& standing, const Obstacle& o, c
         const Long3 at = s.place_24 + shifted(support(s.shape, Long3{one_30, 0, 0}).at_30, 6);
         return is_plane ? Side{Long3{0, one_30, 0}, up(at[1], 6)} : side_of_box(o.solid->geometry, at);
     };
-    const Side first = side_of(standing.of(centre)), last = side_of(Standing::at(w, centre, unit_one, false));
+    const Side first = side_of(ends.first().of(centre)), last = side_of(ends.last().of(centre));
     const std::int64_t deepest = up(shapes::inner_radius(*whole.solid).raw, 6);
     // Beyond the middle of a box another side is nearer.
     return first.above_30 > 0 && last.above_30 >= -deepest &&
@@ -501,24 +407,29 @@ Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Move
     if (begin.is_behind(o)) return unit_one;
     const std::int64_t approach_max = w.approach_max_30(whole, w.reach_of(o));
     if (stays_beside(begin, o, approach_max)) return unit_one;
-    Above above(w, begin.standing, o, whole);
-    if (above.keeps(begin.standing.shape.radius.raw)) return unit_one;
+    const Ends& ends = begin.ends;
+    const std::int64_t radius_24 = ends.first().shape.radius.raw;
+    Above above(w, ends, o, whole);
+    if (above.keeps(radius_24)) return unit_one;
+    const std::int64_t near_24 = ((approach_max + touching_gap_30 + roundings) >> 6) + radius_24 + 1;
+    if (above.take_near_part(near_24) && above.keeps(radius_24)) return unit_one;
     const bool is_limb = held == Held::by_joints;
-    if (is_limb ? is_pushed_out(w, begin.standing, o, whole) : is_told_to_pass(begin.standing, whole, above))
-        return unit_one;
+    if (is_limb ? is_pushed_out(ends, o, whole) : is_told_to_pass(ends, whole, above)) return unit_one;
     const std::int64_t reachable = approach_max + 2 * touching_gap_30;
-    const Measured at_start = measure(begin.standing, o, reachable);
+    const Measured at_start = measure(ends.first(), o, reachable);
     const Between& start = at_start.gap;
     if (!start.overlap && start.distance_30 > reachable) return unit_one;
     if (!is_limb && !start.overlap && start.distance_30 > touching_gap_30) {
-        const Unit stop = advance(w, o, whole, stop_gap_30, until, &at_start);
-        if (stop == unit_one || sinks_little(w, o, whole)) return unit_one;
+        const Unit stop = advance(w, o, whole, ends, stop_gap_30, until, &at_start);
+        if (stop == unit_one || sinks_little(w, ends, o, whole)) return unit_one;
         if (lift == Vec3{}) return stop;
         Mover lifted = whole;
         lifted.shift = lift;
-        if (advance(w, o, lifted, stop_gap_30, unit_one) < unit_one) return stop;
+        if (advance(w, o, lifted, Ends(w, lifted, o.kind == Obstacle::Kind::plane), stop_gap_30, unit_one) <
+            unit_one)
+            return stop;
     }
-    return core_stop(w, begin.standing, o, whole, is_limb ? Coordinate{} : core_radius(whole), until);
+    return core_stop(w, ends, o, whole, is_limb ? Coordinate{} : core_radius(whole), until);
 }
 
 } // namespace
@@ -537,11 +448,25 @@ Transform pose_at(const Sweep& sweep, Unit fraction) {
 }
 
 Real relative_motion(const Sweep& a, const Sweep& b, Real reach) {
-    const Ways w(a, b);
+    return relative_motion(Ways(a, b), reach);
+}
+
+Real relative_motion(const Ways& w, Real reach) {
     const std::int64_t reach_30 = shift_right_rounded(reach.raw, 2);
     const std::int64_t turned =
         times_30(w.spin_b.rate_30, reach_30) + times_30(w.spin_a.rate_30, w.apart_30 + reach_30);
-    return Real::from_raw(up(w.speed_30 + turned, 2));
+    const Real whole = Real::from_raw(up(w.speed_30 + turned, 2));
+    const std::int64_t curve = w.curve_30(reach_30);
+    if (w.spin_a.rate_30 == 0 || curve == anything_30) return whole;
+    // In the frame of A, a point departs from the segment between its ends by at most curve / 8. The matrices of two
+    // rotations differ by at most twice the difference of their quaternions.
+    const auto in_a = [](const Transform& of_a, const Transform& of_b) {
+        return Transform{inverse_mul(of_a, of_b.position), conjugate(of_a.rotation) * of_b.rotation};
+    };
+    const Transform first = in_a(w.a.from, w.b.from), last = in_a(w.a.to, w.b.to);
+    const std::int64_t moved = length_30(last.position - first.position) +
+                               times_30(2 * chords_of(first.rotation, last.rotation).apart_30 + 16, reach_30);
+    return min(whole, Real::from_raw(up(moved + curve / 8 + roundings, 2)));
 }
 
 Unit time_of_impact(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b,
@@ -554,7 +479,7 @@ Unit time_of_impact(const shapes::Solid& a, const Sweep& sweep_a, const shapes::
         const Corridor corridor = corridor_of(w, m, a, begin, target);
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
             if (first > Unit{} && corridor.may_meet(o))
-                first = min(first, advance(w, o, m, up(std::int64_t{target.raw}, 6), first));
+                first = min(first, advance(w, o, m, begin.ends, up(std::int64_t{target.raw}, 6), first));
             return first > Unit{};
         });
     });
@@ -563,17 +488,22 @@ Unit time_of_impact(const shapes::Solid& a, const Sweep& sweep_a, const shapes::
 
 void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b,
                          const Sweep& sweep_b, NarrowScratch& scratch, std::vector<UnitVec3>& directions) {
-    const Ways w(sweep_a, sweep_b);
+    touching_directions(a, Ways(sweep_a, sweep_b), b, scratch, directions);
+}
+
+void touching_directions(const shapes::Solid& a, const Ways& w, const shapes::Solid& b,
+                         NarrowScratch& scratch, std::vector<UnitVec3>& directions) {
     for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
-        const Mover m = mover_of(part, place_in_body(sweep_b, place));
+        const Mover m = mover_of(part, place_in_body(w.b, place));
         const Start begin(w, m, a);
         const Corridor near(begin.box, begin.box, 2 * std::int64_t{stop_gap.raw});
         for_each_obstacle(a, near.extent, scratch, [&](const Obstacle& o) {
             if (begin.is_behind(o)) return;
-            Measured start = measure(begin.standing, o, touching_gap_30);
+            Measured start = measure(begin.ends.first(), o, touching_gap_30);
             if (!start.gap.overlap && start.gap.distance_30 > touching_gap_30) return;
             // The shape may overlap a little; then the centre of its core gives the direction.
-            if (start.gap.overlap) start = measure(w, o, ball_of(m, Coordinate{}), Unit{}, anything_30);
+            if (start.gap.overlap)
+                start = measure(begin.ends.first().of(ball_of(m, Coordinate{})), o, anything_30);
             if (!start.gap.overlap) directions.push_back(unit_of_30(start.direction_30));
         });
     });
@@ -581,11 +511,15 @@ void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const sha
 
 Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b, const Sweep& sweep_b,
                    std::span<const UnitVec3> touching, Held held, NarrowScratch& scratch) {
-    const Ways w(sweep_a, sweep_b);
+    return stop_fraction(a, Ways(sweep_a, sweep_b), b, touching, held, scratch);
+}
+
+Unit stop_fraction(const shapes::Solid& a, const Ways& w, const shapes::Solid& b,
+                   std::span<const UnitVec3> touching, Held held, NarrowScratch& scratch) {
     const Vec3 lift = lift_of(touching);
     Unit first = unit_one;
     for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
-        const Mover m = mover_of(part, place_in_body(sweep_b, place));
+        const Mover m = mover_of(part, place_in_body(w.b, place));
         const Start begin(w, m, a);
         const Corridor corridor = corridor_of(w, m, a, begin, stop_gap + stop_gap);
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {

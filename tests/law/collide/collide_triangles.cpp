@@ -1,4 +1,5 @@
 // Contacts with meshes and height fields, scene by scene.
+#include "law/collide/sunken.h"
 #include "oracle/mesh_scenes.h"
 
 #include <cmath>
@@ -182,6 +183,11 @@ TEST_CASE("a contact pushes a shape whose centre is behind the surface out to th
         CHECK(is_only(contacts(field, box(0.5_r, 0.5_r, 0.5_r), {20.1, -depth, 20.3}), {0, 1, 0},
                       -depth - 0.5, 4));
     }
+}
+
+TEST_CASE("contacts push a shape whose centre is inside a closed mesh out of the nearest face") {
+    lockstone::test::scene::RandomPoint random(21);
+    for (int i = 0; i < 1000; ++i) CHECK(lockstone::test::sunken_fault(random) == "");
 }
 
 TEST_CASE("a thin wall pushes a shape to the side where its centre is") {

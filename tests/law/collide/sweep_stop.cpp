@@ -1,5 +1,6 @@
 // The place where a sweep stops a body that moves towards a plane, in closed form.
 #include "collide/query/cast.h"
+#include "law/collide/long_sweeps.h"
 #include "support/random.h"
 
 #include <doctest/doctest.h>
@@ -212,4 +213,21 @@ TEST_CASE("the sweep against a box's faces stops a rounded shape at the impact t
     CHECK(passed > 500);
     CHECK(dipped > 100);
     CHECK(held_at_core > 20);
+}
+
+TEST_CASE("the sweep stops a long body that turns at a triangle exactly at the time of impact") {
+    RandomPoint random(14);
+    lockstone::test::LongSweepCounts counts;
+    for (int i = 0; i < samples(6000, 300000); ++i)
+        CHECK(lockstone::test::long_sweep_fault(random, counts) == "");
+    CHECK(counts.stopped > 500);
+    CHECK(counts.passed > 500);
+    CHECK(counts.skipped < 2 * (counts.stopped + counts.passed));
+}
+
+TEST_CASE("no point of a body moves further relative to a body that turns than the bound of their relative "
+          "motion") {
+    RandomPoint random(15);
+    for (int i = 0; i < samples(4000, 200000); ++i)
+        CHECK(lockstone::test::relative_motion_fault(random) == "");
 }
