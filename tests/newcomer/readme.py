@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Every block of C++ in README.md is a complete program. The script compiles each with each compiler, with -Wall -Wextra -Werror, with and
-without NDEBUG, links it and runs it: it has to end with status 0. The script also compiles all public headers without exceptions and
+"""Every block of C++ in README.md and tools/guides/game.md is a complete program. The script compiles each with each compiler, with -Wall
+-Wextra -Werror, with and without NDEBUG, links it and runs it: it has to end with status 0. The script also compiles all public headers without exceptions and
 run-time types.
 
-  readme.py --libraries BUILD [--cxx CXX]...     checks README.md and the headers
+  readme.py --libraries BUILD [--cxx CXX]...     checks the pages and the headers
   readme.py --planted --libraries BUILD          checks that the script notices small programs with one fault each
   readme.py --extract LANGUAGE NUMBER            prints one block; the first one has the number 0"""
 import argparse
@@ -14,6 +14,9 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+GAME = "tools/guides/game.md"
+PAGES = ("README.md", GAME)
+GAME_LINES_MAX = 90  # of the program in GAME, without empty lines
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 # From the highest layer down: the linker needs a library before those that it uses.
 LAYERS = ("session", "replay", "prove", "world", "tick", "play", "scene", "model", "solve", "collide", "shapes", "state", "math", "base")
@@ -53,15 +56,29 @@ def fault_of(program, cxx, flags, build, folder):
     return f"ends with status {ran.returncode}: {(ran.stdout + ran.stderr)[-300:]}" if ran.returncode != 0 else ""
 
 
-def check(text, compilers, build):
+def check(page, text, compilers, build):
     complaints, programs = [], blocks(text, "cpp")
     with tempfile.TemporaryDirectory(prefix="lockstone-readme-") as folder:
         for line, program in programs:
             for cxx in compilers:
                 for flags in FLAGS:
                     if fault := fault_of(program, cxx, flags, build, pathlib.Path(folder)):
-                        complaints.append(f"README.md:{line}: by {cxx} {' '.join(flags)}: {fault}")
-    return complaints or ([] if programs else ["README.md:1: holds no C++"])
+                        complaints.append(f"{page}:{line}: by {cxx} {' '.join(flags)}: {fault}")
+    return complaints or ([] if programs else [f"{page}:1: holds no C++"])
+
+
+def line_faults(text):
+    """Returns a complaint if a program of the page GAME has too many lines."""
+    counts = [sum(bool(line.strip()) for line in program.splitlines()) for _, program in blocks(text, "cpp")]
+    return [f"{GAME}: a program of {count} lines, and at most {GAME_LINES_MAX} are allowed" for count in counts if count > GAME_LINES_MAX]
+
+
+def events_before_tick(text):
+    """Returns the page GAME with a fault: its game reads the events before the tick."""
+    tick = next(line for line in text.splitlines(keepends=True) if line.lstrip().startswith("world.tick();"))
+    last = "        return world.write(score, now);\n"
+    assert text.count(tick) == 1 and text.count(last) == 1
+    return text.replace(tick, "").replace(last, "        const Status done = world.write(score, now);\n        world.tick();\n        return done;\n")
 
 
 def headers_alone(compilers):
@@ -98,11 +115,19 @@ def main():
         return 0
     compilers = arguments.cxx or ["g++"]
     if arguments.planted:
-        missed = [name for name, text in PLANTED if not check(text, compilers[:1], arguments.libraries)]
+        missed = [name for name, text in PLANTED if not check("planted", text, compilers[:1], arguments.libraries)]
+        game = (ROOT / GAME).read_text()
+        if not line_faults(game.replace("```cpp\n", "```cpp\n" + "// a line\n" * GAME_LINES_MAX)):
+            missed.append("a program with too many lines")
+        if not any("ends with status 1" in each for each in check(GAME, events_before_tick(game), compilers[:1], arguments.libraries)):
+            missed.append("a game that reads the events before the tick")
         print("\n".join(f"missed a planted fault: {name}" for name in missed))
         return 1 if missed else 0
-    complaints = check(readme, compilers, arguments.libraries) + headers_alone(compilers)
-    print("\n".join(complaints) or f"{len(blocks(readme, 'cpp'))} programs, {len(compilers)} compilers, {len(FLAGS)} builds each")
+    texts = {page: (ROOT / page).read_text() for page in PAGES}
+    complaints = [each for page, text in texts.items() for each in check(page, text, compilers, arguments.libraries)]
+    complaints += line_faults(texts[GAME]) + headers_alone(compilers)
+    count = sum(len(blocks(text, "cpp")) for text in texts.values())
+    print("\n".join(complaints) or f"{count} programs, {len(compilers)} compilers, {len(FLAGS)} builds each")
     return 1 if complaints else 0
 
 
