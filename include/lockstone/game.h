@@ -33,8 +33,16 @@ class Game {
     virtual std::uint32_t player_count() const = 0; ///< Number of players, 0..16.
     virtual std::uint32_t input_size() const = 0;   ///< Bytes of a player's input in each tick, 0..64.
     virtual Result<World> start() const = 0;        ///< Creates the world before tick 0; equal at every call.
-    /// Issues commands from `inputs` [player_count()], then calls world.tick() exactly once. Return an error,
-    /// without a tick, if a necessary command fails: a session then runs the tick itself
+    /// Runs one tick, in this order:
+    ///   1. issue commands from `inputs` [player_count()]
+    ///   2. call world.tick() exactly once
+    ///   3. read world.events(), the events of this tick
+    ///   4. write the game columns that these events change; other commands are possible here too
+    /// Do not read events() or contacts() before the tick: they are not part of the state, and a restore
+    /// clears them. A tick that runs again after a rollback would find none, and machines would diverge.
+    /// Sounds and particles read SessionRunner::events() instead.
+    ///
+    /// Return an error, without a tick, if a necessary command fails: a session then runs the tick itself
     /// (WorldSimulation::failure()), and a recording of the match ends before it. Must not abort in any state
     /// that check() accepts, because recordings come from outside.
     virtual Status advance(World& world, std::span<const PlayerInput> inputs) const = 0;

@@ -76,7 +76,9 @@ class World {
     std::weak_ptr<const void> lifetime();
 
     // ---- time ----
-    void tick();                      ///< Advances the world by one tick of 1 / tick_rate seconds.
+    /// Advances the world by one tick of 1 / tick_rate seconds. Replaces events() and contacts() by those of
+    /// this tick. Game::advance() has the order of commands, tick, events and game columns.
+    void tick();
     std::uint64_t tick_count() const; ///< Ticks of this state; restore() sets it back.
     const WorldDef& def() const;      ///< The definition, contacts_max filled in. Valid as long as the world.
     /// The assets given to create(). Valid as long as the world.
@@ -232,7 +234,8 @@ class World {
     Faults faults() const; ///< Counts of clamped values and dropped contacts, since the world was created.
 
     /// The events of the last tick, sorted by `precedes`. Valid until the next tick or restore. Empty after a
-    /// restore, and in a clone.
+    /// restore, and in a clone: they are not part of the state. Rules read them after tick() and before they
+    /// return, see Game::advance(). Sounds and particles of a session read SessionRunner::events().
     std::span<const Event> events() const;
 
     /// A contact point of the last tick.

@@ -53,7 +53,7 @@ def fault_of(program, cxx, flags, build, folder):
     if fault := compile_fault(source, out, cxx, flags, build):
         return fault
     ran = subprocess.run([str(out)], capture_output=True, text=True, cwd=folder, timeout=120)
-    return f"ends with status {ran.returncode}: {(ran.stdout + ran.stderr)[-300:]}" if ran.returncode != 0 else ""
+    return f"ends with status {ran.returncode}: {(ran.stdout + ran.stderr)[-3000:]}" if ran.returncode != 0 else ""
 
 
 def check(page, text, compilers, build):
@@ -119,8 +119,10 @@ def main():
         game = (ROOT / GAME).read_text()
         if not line_faults(game.replace("```cpp\n", "```cpp\n" + "// a line\n" * GAME_LINES_MAX)):
             missed.append("a program with too many lines")
-        if not any("ends with status 1" in each for each in check(GAME, events_before_tick(game), compilers[:1], arguments.libraries)):
-            missed.append("a game that reads the events before the tick")
+        noticed = check(GAME, events_before_tick(game), compilers[:1], arguments.libraries)
+        shown = [line for _, block in blocks(game, "text") for line in block.splitlines()]
+        if not noticed or not all(line in each for line in ["ends with status 1", *shown] for each in noticed):
+            missed.append(f"a game that reads the events before the tick, as {GAME} shows it: {noticed}")
         print("\n".join(f"missed a planted fault: {name}" for name in missed))
         return 1 if missed else 0
     texts = {page: (ROOT / page).read_text() for page in PAGES}
