@@ -67,6 +67,22 @@ def check(page, text, compilers, build):
     return complaints or ([] if programs else [f"{page}:1: holds no C++"])
 
 
+def shown_faults(text, build):
+    """Runs the commands of README.md that lead to `lockstone diff`, and compares the shown lines with the printed ones. No complaints if the
+    build has no command line."""
+    program, printed = build.resolve() / "bin/lockstone", ""
+    if not program.exists():
+        return []
+    commands = [line for _, block in blocks(text, "sh") for line in block.splitlines() if re.match(r"\$bin (run|branch|diff) ", line)]
+    with tempfile.TemporaryDirectory(prefix="lockstone-readme-") as folder:
+        for command in commands:
+            words = command.split("#")[0].split()[1:]
+            printed = subprocess.run([program, *words], capture_output=True, text=True, cwd=folder).stdout
+    shown = [line for _, block in blocks(text, "text") for line in block.splitlines()]
+    return [f"README.md shows {line.strip()!r}, but {commands[-1].split('#')[0].strip()} prints {printed}"
+            for line in shown if line not in printed.splitlines()]
+
+
 def line_faults(text):
     """Returns a complaint if a program of the page GAME has too many lines."""
     counts = [sum(bool(line.strip()) for line in program.splitlines()) for _, program in blocks(text, "cpp")]
@@ -119,6 +135,8 @@ def main():
         game = (ROOT / GAME).read_text()
         if not line_faults(game.replace("```cpp\n", "```cpp\n" + "// a line\n" * GAME_LINES_MAX)):
             missed.append("a program with too many lines")
+        if (arguments.libraries / "bin/lockstone").exists() and not shown_faults(readme.replace("row 1, position", "row 2, position"), arguments.libraries):
+            missed.append("a line that the command line does not print")
         noticed = check(GAME, events_before_tick(game), compilers[:1], arguments.libraries)
         shown = [line for _, block in blocks(game, "text") for line in block.splitlines()]
         if not noticed or not all(line in each for line in ["ends with status 1", *shown] for each in noticed):
@@ -127,7 +145,7 @@ def main():
         return 1 if missed else 0
     texts = {page: (ROOT / page).read_text() for page in PAGES}
     complaints = [each for page, text in texts.items() for each in check(page, text, compilers, arguments.libraries)]
-    complaints += line_faults(texts[GAME]) + headers_alone(compilers)
+    complaints += line_faults(texts[GAME]) + shown_faults(readme, arguments.libraries) + headers_alone(compilers)
     count = sum(len(blocks(text, "cpp")) for text in texts.values())
     print("\n".join(complaints) or f"{count} programs, {len(compilers)} compilers, {len(FLAGS)} builds each")
     return 1 if complaints else 0
