@@ -100,10 +100,12 @@ void print_arena(const Json& row) {
 }
 
 void print_threads(const Json& row) {
-    std::printf("%-10s one thread %9.3f ms a tick, two %9.3f: %.2f times faster, must %.1f  %s\n",
+    std::printf("%-10s one thread %9.3f ms a tick, two %9.3f, four %9.3f; cores answer in %.0f ns: %.2f "
+                "times faster, "
+                "must %.1f  %s\n",
                 text(row, "scene").c_str(), number(row, "one_ms"), number(row, "two_ms"),
-                number(row, "times_faster"), number(row, "must"),
-                verdict_of(number(row, "times_faster") >= number(row, "must")));
+                number(row, "four_ms"), number(row, "round_trip_ns"), number(row, "times_faster"),
+                number(row, "must"), verdict_of(number(row, "times_faster") >= number(row, "must")));
 }
 
 void print_game(const Json& row) {

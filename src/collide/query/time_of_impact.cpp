@@ -195,7 +195,7 @@ Side side_of_box(const Geometry& box, Long3 point_24) {
 }
 
 /// A box in the axes of a core, cut out of it: the part of the core that can reach a piece.
-struct Part {
+struct CorePart {
     Long3 low_24, high_24; ///< from the core's centre, along its axes
     bool is_empty = false; ///< no point of the core can reach the piece
 
@@ -217,9 +217,9 @@ bool is_longer(const Convex& core, std::int64_t near_24) {
 }
 /// The points of such a core that can come within `near_24` of a triangle. The plane of the triangle says little about
 /// the ends of a long core that are far from it.
-Part part_near(const Standing& s, const shapes::Face& t, std::int64_t near_24) {
+CorePart part_near(const Standing& s, const shapes::Face& t, std::int64_t near_24) {
     const Convex& core = s.shape;
-    Part part{-core.half_24, core.half_24};
+    CorePart part{-core.half_24, core.half_24};
     const Long3 middle = s.place_24 + core.center_24;
     const bool is_box = core.core == Convex::Core::box;
     for (int i = is_box ? 0 : 1; i < (is_box ? 3 : 2); ++i) {
@@ -299,7 +299,7 @@ class Above {
     std::int64_t above_30 = 0; ///< height of the shape's origin
     /// The core's gap to the side; very negative when there is no such side.
     std::int64_t core_30 = -anything_30;
-    std::optional<Part> part;
+    std::optional<CorePart> part;
     std::int64_t approach_30 = unknown_30; ///< a bound of the decrease of the gap during the motion
     std::int64_t known_drop_30 = unknown_30;
 };

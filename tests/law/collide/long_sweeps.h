@@ -6,6 +6,7 @@
 #include "support/random.h"
 
 #include <array>
+#include <cmath>
 #include <string>
 
 namespace lockstone::test {
@@ -45,6 +46,30 @@ inline LongSweep long_sweep(scene::RandomPoint& random) {
     return s;
 }
 
+/// A body that turns about its centre, and a triangle that its end reaches in the middle of the turn but neither at the
+/// start nor at the end.
+inline LongSweep pendulum(scene::RandomPoint& random) {
+    using namespace scene;
+    const double half = random(1, 5), radius = random(0.03, 0.3), angle = random(0.4, 0.9);
+    const shapes::Solid whole{capsule(real(radius), real(half))};
+    LongSweep s{{}, {}, whole, whole, {}};
+    s.thin.geometry.radius = Length::from_raw(whole.geometry.radius.raw / 2);
+    const Quat middle = random.rotation();
+    const Vec3 x = rotate(middle, Vec3{Real(1), {}, {}}), y = rotate(middle, Vec3{{}, Real(1), {}}),
+               z = rotate(middle, Vec3{{}, {}, Real(1)});
+    const auto turned = [&](double by) {
+        return normalized(from_axis_angle(normalized(z), real(by)) * middle);
+    };
+    s.body = {{Vec3{}, turned(-angle / 2)}, {Vec3{}, turned(angle / 2)}, Transform::identity()};
+    s.triangle = {Transform::identity(), Transform::identity(), Transform::identity()};
+    const double low = std::cos(angle / 2), height = radius + half * (low + random(0.1, 0.9) * (1 - low));
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double at = 2.0944 * static_cast<double>(k) + random(-0.3, 0.3), far = random(0.3, 1.5);
+        s.corners[k] = y * real(height) + x * real(far * std::cos(at)) + z * real(far * std::sin(at));
+    }
+    return s;
+}
+
 struct LongSweepCounts {
     int stopped = 0, passed = 0;
     int skipped = 0; ///< began too near, or behind the triangle
@@ -54,7 +79,7 @@ struct LongSweepCounts {
 /// not test the plane of the triangle; or if the gap is below nine tenths of its target before that time.
 inline std::string long_sweep_fault(scene::RandomPoint& random, LongSweepCounts& counts) {
     using collide::stop_gap;
-    const LongSweep s = long_sweep(random);
+    const LongSweep s = random(0, 1) < 0.1 ? pendulum(random) : long_sweep(random);
     AssetLibrary library;
     const std::array<std::uint32_t, 3> all{0, 1, 2};
     const Result<AssetId> id = library.add(bake_mesh({.vertices = s.corners, .triangles = {&all, 1}}));

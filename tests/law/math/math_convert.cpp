@@ -33,8 +33,9 @@ template <FixedPoint T> T quantized_naively(double value) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("quantize is nearest, ties to even, clamped, for every kind of number", T, I32F32, I2F62,
-                   I13F19, I2F30) {
+TEST_CASE_TEMPLATE(
+    "quantize rounds to the nearest value with ties to even and clamps for every kind of number", T, I32F32,
+    I2F62, I13F19, I2F30) {
     Random random = Random::seeded(50);
     long bad = 0, naive = 0;
     const auto check = [&](double value) {

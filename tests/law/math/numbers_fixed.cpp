@@ -78,7 +78,7 @@ template <FixedPoint T> long wrong_operators_everywhere(int count, std::int64_t 
 
 } // namespace
 
-TEST_CASE_TEMPLATE("operators round once and clamp, on all edge pairs and random operands", T, I32F32, I4F60,
+TEST_CASE_TEMPLATE("operators round once and clamp on all edge pairs and random operands", T, I32F32, I4F60,
                    I2F62, I16F16, I13F19, I8F24, I5F27, I4F28, I2F30) {
     CHECK(wrong_operators_everywhere<T>(points(300000), 0) == 0);
     CHECK(wrong_operators_everywhere<T>(1000, 1) >= 1000); // planted fault: a product one step too small
@@ -159,7 +159,7 @@ TEST_CASE("parse_decimal() rejects text that is malformed or too long or out of 
     CHECK(parse_decimal<Real>("-.5").value == -0.5_r);
 }
 
-TEST_CASE_TEMPLATE("the exact text has all digits, the shortest one reads back and cannot lose a digit", T,
+TEST_CASE_TEMPLATE("the exact text has all digits and the shortest one reads back and cannot lose a digit", T,
                    I32F32, I4F60, I2F62, I16F16, I13F19, I2F30) {
     using Rep = typename T::rep;
     std::vector<Rep> raws = edges<Rep>();
