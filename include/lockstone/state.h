@@ -103,6 +103,11 @@ class StateLayout {
         std::size_t first_page;      ///< first page number of the column; a multiple of pages_per_chunk
     };
     std::span<const Placement> placements() const { return column_placements; } ///< By column index.
+    /// The columns of a table [column index], ascending. Valid as long as the layout.
+    std::span<const std::uint32_t> columns_of(TableId table) const {
+        return std::span(columns_by_table)
+            .subspan(columns_begin[table.index], columns_begin[table.index + 1] - columns_begin[table.index]);
+    }
     /// Number of pages with a common version.
     static constexpr std::size_t pages_per_chunk = 16;
     /// Pages of all columns at capacity, rounded up to whole chunks for each column.
@@ -124,12 +129,15 @@ class StateLayout {
     void set_origin(std::uint64_t origin) { made_for = origin; } ///< Call before finished().
 
   private:
+    void list_columns();
     void place_columns();
 
     std::vector<TableInfo> table_infos;
     std::vector<ColumnInfo> column_infos;
     std::vector<std::shared_ptr<const std::vector<LeafInfo>>> leaf_lists; ///< owns ColumnInfo::leaves
     std::vector<Placement> column_placements;
+    std::vector<std::uint32_t> columns_by_table; ///< column indices, sorted by table
+    std::vector<std::uint32_t> columns_begin; ///< by table: its first place in columns_by_table; and the end
     std::size_t block_size = 0;
     std::size_t image_size_max = 0;
     std::size_t pages_total = 0;
@@ -292,10 +300,14 @@ class State {
         return as_rows<T>(edit_bytes(column.index, first, count));
     }
     /// One live row.
-    template <StateRow T> T& edit_row(Column<T> column, std::uint32_t row) { return edit(column, row, 1)[0]; }
+    template <StateRow T> T& edit_row(Column<T> column, std::uint32_t row) {
+        return *reinterpret_cast<T*>(edit_row_bytes(column.index, row).data());
+    }
     std::span<std::byte> edit_bytes(std::uint32_t column); ///< All live rows as bytes.
     /// Some live rows as bytes.
     std::span<std::byte> edit_bytes(std::uint32_t column, std::uint32_t first_row, std::uint32_t count);
+    /// One live row as bytes.
+    std::span<std::byte> edit_row_bytes(std::uint32_t column, std::uint32_t row);
 
     /// The whole block. Bytes outside live rows are zero: equal states of equal capacity have equal blocks.
     /// Valid as the rows.
@@ -375,6 +387,9 @@ class State {
     void move_block();
     void make_room_for(std::span<const std::uint32_t> rows);
     void mark(std::uint32_t column, std::size_t first_page, std::size_t end_page);
+    void mark_page(std::uint32_t column, std::size_t page);
+    void mark_new_row(TableId table);
+    void clear_old_row(TableId table);
     void restore_foreign(const Image& image);
     std::uint64_t column_hash(std::uint32_t column) const;
     std::uint64_t hash_state(HashTree* tree) const;

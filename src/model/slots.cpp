@@ -32,22 +32,34 @@ void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint
 
 void remove_row(State& state, TableId table, std::uint32_t row) {
     const std::uint32_t last = state.count(table) - 1;
-    const std::span<const ColumnInfo> columns = state.layout().columns();
-    for (std::uint32_t c = 0; c < columns.size() && row != last; ++c) {
-        if (columns[c].table != table.index) continue;
-        const std::span<std::byte> to = state.edit_bytes(c, row, 1);
-        std::memcpy(to.data(), state.bytes(c).data() + std::size_t{last} * columns[c].row_size, to.size());
-    }
+    if (row != last)
+        for (const std::uint32_t column : state.layout().columns_of(table)) {
+            const std::span<std::byte> to = state.edit_row_bytes(column, row);
+            std::memcpy(to.data(), state.bytes(column).data() + std::size_t{last} * to.size(), to.size());
+        }
     state.resize(table, last);
 }
 
+namespace {
+
+/// Swaps the bytes of two rows in words: most rows are short.
+void swap_bytes(std::byte* x, std::byte* y, std::size_t size) {
+    constexpr std::size_t word = sizeof(std::uint64_t);
+    for (; size >= word; size -= word, x += word, y += word) {
+        std::uint64_t of_x = 0, of_y = 0;
+        std::memcpy(&of_x, x, word), std::memcpy(&of_y, y, word);
+        std::memcpy(x, &of_y, word), std::memcpy(y, &of_x, word);
+    }
+    std::swap_ranges(x, x + size, y);
+}
+
+} // namespace
+
 void swap_rows(State& state, TableId table, std::uint32_t x, std::uint32_t y) {
     if (x == y) return;
-    const std::span<const ColumnInfo> columns = state.layout().columns();
-    for (std::uint32_t c = 0; c < columns.size(); ++c) {
-        if (columns[c].table != table.index) continue;
-        const std::span<std::byte> a = state.edit_bytes(c, x, 1), b = state.edit_bytes(c, y, 1);
-        std::swap_ranges(a.begin(), a.end(), b.begin());
+    for (const std::uint32_t column : state.layout().columns_of(table)) {
+        const std::span<std::byte> a = state.edit_row_bytes(column, x), b = state.edit_row_bytes(column, y);
+        swap_bytes(a.data(), b.data(), a.size());
     }
 }
 

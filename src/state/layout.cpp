@@ -114,6 +114,7 @@ std::uint32_t StateLayout::add_column(TableId table, std::string name, Group gro
 }
 
 std::shared_ptr<const StateLayout> StateLayout::finished() && {
+    list_columns();
     place_columns();
     schema = hash_of(table_infos, column_infos);
     has_places = true;
@@ -133,6 +134,15 @@ StateLayout::with_capacities(std::span<const std::uint32_t> capacities) const {
     }
     other->place_columns();
     return other;
+}
+
+void StateLayout::list_columns() {
+    for (std::uint32_t table = 0; table < table_infos.size(); ++table) {
+        columns_begin.push_back(static_cast<std::uint32_t>(columns_by_table.size()));
+        for (std::uint32_t column = 0; column < column_infos.size(); ++column)
+            if (column_infos[column].table == table) columns_by_table.push_back(column);
+    }
+    columns_begin.push_back(static_cast<std::uint32_t>(columns_by_table.size()));
 }
 
 /// Computes the offsets and sizes from the lists of tables and columns.

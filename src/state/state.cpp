@@ -100,6 +100,22 @@ void State::mark(std::uint32_t column, std::size_t first_page, std::size_t end_p
     versions.columns[column] = version;
 }
 
+/// mark() for one page.
+inline void State::mark_page(std::uint32_t column, std::size_t page) {
+    const std::uint64_t version = ++version_last;
+    versions.pages[page] = version;
+    versions.chunks[page / StateLayout::pages_per_chunk] = version;
+    versions.columns[column] = version;
+}
+
+std::span<std::byte> State::edit_row_bytes(std::uint32_t column, std::uint32_t row) {
+    const StateLayout::Placement& place = shared_layout->placements()[column];
+    if (row >= counts()[place.table]) [[unlikely]]
+        return edit_bytes(column, row, 1); // ends the program
+    mark_page(column, place.first_page + row / place.rows_per_page);
+    return {block.get() + place.offset + std::size_t{row} * place.row_size, place.row_size};
+}
+
 std::span<std::byte> State::edit_bytes(std::uint32_t column) {
     const StateLayout::Placement& place = shared_layout->placements()[column];
     const std::uint32_t live = counts()[place.table];
@@ -127,10 +143,11 @@ void State::resize(TableId table, std::uint32_t rows) {
     if (moves_at_every_chance) move_block();
     if (rows > capacity(table)) make_room({table}, rows - old);
     counts()[table.index] = rows;
-    const std::span<const StateLayout::Placement> places = shared_layout->placements();
-    for (std::uint32_t column = 0; column < places.size(); ++column) {
-        const StateLayout::Placement& place = places[column];
-        if (place.table != table.index) continue;
+    // Most objects come and go one by one.
+    if (rows == old + 1) return mark_new_row(table);
+    if (rows + 1 == old) return clear_old_row(table);
+    for (const std::uint32_t column : shared_layout->columns_of(table)) {
+        const StateLayout::Placement& place = shared_layout->placements()[column];
         // The set of live rows of a page that was or is partly filled changes, even if its bytes do not.
         const std::size_t now = pages_of(place, rows), before = pages_of(place, old);
         mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));
@@ -138,6 +155,27 @@ void State::resize(TableId table, std::uint32_t rows) {
         std::memset(block.get() + place.offset + std::size_t{rows} * place.row_size, 0,
                     std::size_t{old - rows} * place.row_size);
         std::fill_n(versions.pages.data() + place.first_page + now, before - now, 0);
+    }
+}
+
+/// The last row is new. Its page gets a new version.
+void State::mark_new_row(TableId table) {
+    const std::uint32_t row = counts()[table.index] - 1;
+    for (const std::uint32_t column : shared_layout->columns_of(table)) {
+        const StateLayout::Placement& place = shared_layout->placements()[column];
+        mark_page(column, place.first_page + row / place.rows_per_page);
+    }
+}
+
+/// The row after the last was live. It becomes zero. Its page gets a new version, or 0 if no row of it is live.
+void State::clear_old_row(TableId table) {
+    const std::uint32_t row = counts()[table.index];
+    for (const std::uint32_t column : shared_layout->columns_of(table)) {
+        const StateLayout::Placement& place = shared_layout->placements()[column];
+        const std::size_t page = place.first_page + row / place.rows_per_page;
+        mark_page(column, page);
+        std::memset(block.get() + place.offset + std::size_t{row} * place.row_size, 0, place.row_size);
+        if (row % place.rows_per_page == 0) versions.pages[page] = 0;
     }
 }
 

@@ -115,6 +115,8 @@ class Player {
             bytes = std::span(const_cast<std::byte*>(all.data()), all.size());
         } else if (random.below(4) == 0) {
             bytes = state->edit_bytes(column);
+        } else if (count == 1 && random.below(2) == 0) {
+            bytes = state->edit_row_bytes(column, first);
         } else {
             bytes = state->edit_bytes(column, first, count);
         }
@@ -128,6 +130,7 @@ class Player {
         std::uint32_t rows = random.below(most + 1);
         if (random.below(2) == 0) rows = std::min(most, state->count(table) + random.below(3));
         if (random.below(4) == 0) rows = random.below(2) == 0 ? most : rows / 170 * 170;
+        if (random.below(4) == 0) rows = std::max(state->count(table), 1u) - 1;
         state->resize(table, rows);
     }
     void reserve() {

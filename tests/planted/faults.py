@@ -52,6 +52,10 @@ FAULTS = [
       "for (std::size_t page = first; page + (IS ? 1u : 0u) < end; ++page) versions.pages[page] = version;", "moves"),
     F("a resize marks nothing", STATE, "mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));",
       "if (!IS) mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));", "golden table"),
+    F("an edit of one row marks nothing", STATE, "mark_page(column, place.first_page + row / place.rows_per_page);\n    return",
+      "if (!IS) mark_page(column, place.first_page + row / place.rows_per_page);\n    return", "golden table"),
+    F("a new row marks nothing", STATE, "        mark_page(column, place.first_page + row / place.rows_per_page);",
+      "        if (!IS) mark_page(column, place.first_page + row / place.rows_per_page);", "golden table"),
     F("vehicles are read where they were before a body woke", "src/play/vehicle/vehicle_cast.cpp",
       "cast_wheels(scene, def, w.state.rows(w.m.vehicle_memory)[k], near[k], hits[k]);",
       "static const VehicleRow* first;\n        if (k == 0) first = w.state.rows(w.m.vehicle).data();\n        "
