@@ -197,6 +197,12 @@ class Image {
     std::size_t packed_size = 0;
 };
 
+/// A table and a number of rows.
+struct TableRows {
+    TableId table;      ///< the table
+    std::uint32_t rows; ///< number of rows
+};
+
 /// Rows [first, end) of a table.
 struct RowRange {
     std::uint32_t first, ///< first row
@@ -275,6 +281,8 @@ class State {
     void resize(TableId table, std::uint32_t rows);
     /// Allocates memory for `more` further rows in each of the tables, in one growth. Never beyond rows_max.
     void make_room(std::initializer_list<TableId> tables, std::uint32_t more);
+    /// Allocates memory for at least these rows in all, in one growth. Numbers above rows_max end the program.
+    void make_room_for(std::initializer_list<TableRows> tables);
     /// Raises capacities to at least these [one for each table]; one above rows_max ends the program. Growth
     /// copies the block. It changes no hash, no image and no result of take_changes().
     void reserve(std::span<const std::uint32_t> capacities);
@@ -386,6 +394,7 @@ class State {
     void grow(std::shared_ptr<const StateLayout> layout);
     void move_block();
     void make_room_for(std::span<const std::uint32_t> rows);
+    void grow_to(std::vector<std::uint32_t>& capacities);
     void mark(std::uint32_t column, std::size_t first_page, std::size_t end_page);
     void mark_page(std::uint32_t column, std::size_t page);
     void mark_new_row(TableId table);

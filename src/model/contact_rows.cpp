@@ -117,7 +117,9 @@ struct Written {
     ContactMore* mores;
 
     Written(State& state, const ContactTables& to, const ContactList& list, ContactsBegin all) {
-        state.resize(to.contacts, static_cast<std::uint32_t>(list.keys.size()));
+        const auto count = static_cast<std::uint32_t>(list.keys.size());
+        state.make_room_for({{to.contacts, count}, {to.points, all.points}, {to.more, all.more}});
+        state.resize(to.contacts, count);
         state.resize(to.points, all.points), state.resize(to.more, all.more);
         write_keys(state, to, list);
         rows = state.edit(to.memory).data(), points = state.edit(to.point).data();

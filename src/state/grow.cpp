@@ -41,11 +41,17 @@ void move_versions(detail::Versions& versions, const StateLayout& from, const St
 void State::grow(std::shared_ptr<const StateLayout> layout) {
     const StateLayout &from = *shared_layout, &to = *layout;
     detail::Block larger(to.size_bytes());
-    std::memset(larger.get(), 0, to.size_bytes());
-    if (!counts().empty()) std::memcpy(larger.get(), block.get(), counts().size_bytes());
+    // Copies what is used, and clears only the bytes between.
+    std::size_t done = counts().size_bytes();
+    if (done != 0) std::memcpy(larger.get(), block.get(), done);
     for (std::uint32_t column = 0; column < from.columns().size(); ++column)
-        if (const std::span<const std::byte> rows = bytes(column); !rows.empty())
-            std::memcpy(larger.get() + to.placements()[column].offset, rows.data(), rows.size());
+        if (const std::span<const std::byte> rows = bytes(column); !rows.empty()) {
+            const std::size_t begin = to.placements()[column].offset;
+            std::memset(larger.get() + done, 0, begin - done);
+            std::memcpy(larger.get() + begin, rows.data(), rows.size());
+            done = begin + rows.size();
+        }
+    std::memset(larger.get() + done, 0, to.size_bytes() - done);
     move_versions(versions, from, to);
     move_versions(hashes.of, from, to);
     hashes.page = moved(hashes.page, from, to, 1);
@@ -82,6 +88,19 @@ void State::reserve(std::span<const std::uint32_t> wanted) {
     if (grows) grow(shared_layout->with_capacities(capacities));
 }
 
+/// Grows to these capacities. A growth moves all tables, so those that are nearly full grow too: objects have rows in
+/// several tables, which else would grow one shortly after the other.
+void State::grow_to(std::vector<std::uint32_t>& capacities) {
+    for (std::uint32_t table = 0; table < capacities.size(); ++table) {
+        const TableInfo& info = shared_layout->tables()[table];
+        const std::uint64_t rows = counts()[table];
+        if (capacities[table] == info.capacity && 8 * rows > std::uint64_t{7} * info.capacity &&
+            info.capacity < info.rows_max)
+            capacities[table] = info.grown(info.capacity + 1);
+    }
+    grow(shared_layout->with_capacities(capacities));
+}
+
 void State::make_room(std::initializer_list<TableId> tables, std::uint32_t more) {
     if (moves_at_every_chance) move_block();
     const auto wanted = [&](TableId table) {
@@ -92,7 +111,20 @@ void State::make_room(std::initializer_list<TableId> tables, std::uint32_t more)
     std::vector<std::uint32_t> capacities = capacities_of(*shared_layout);
     for (const TableId table : tables)
         capacities[table.index] = shared_layout->tables()[table.index].grown(wanted(table));
-    grow(shared_layout->with_capacities(capacities));
+    grow_to(capacities);
+}
+
+void State::make_room_for(std::initializer_list<TableRows> tables) {
+    if (moves_at_every_chance) move_block();
+    if (std::ranges::all_of(tables, [&](const TableRows& t) { return t.rows <= capacity(t.table); })) return;
+    std::vector<std::uint32_t> capacities = capacities_of(*shared_layout);
+    for (const auto& [table, rows] : tables) {
+        const TableInfo& info = shared_layout->tables()[table.index];
+        LOCKSTONE_ASSERT(rows <= info.rows_max, "table ", info.name, ": ", rows, " rows, capacity ",
+                         info.rows_max);
+        capacities[table.index] = info.grown(rows);
+    }
+    grow_to(capacities);
 }
 
 /// `rows`: by table; each within the limit (asserted).
@@ -107,7 +139,7 @@ void State::make_room_for(std::span<const std::uint32_t> rows) {
         if (capacities.empty()) capacities = capacities_of(*shared_layout);
         capacities[table] = info.grown(rows[table]);
     }
-    if (!capacities.empty()) grow(shared_layout->with_capacities(capacities));
+    if (!capacities.empty()) grow_to(capacities);
 }
 
 } // namespace lockstone

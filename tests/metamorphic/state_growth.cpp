@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -107,6 +108,21 @@ TEST_CASE("growth lists no changes and does not change the hash until a row is w
     state = empty;
     CHECK(state.hash() == empty.hash());
     CHECK(state.capacity(g.tables[0]) == 5000);
+}
+
+TEST_CASE("tables that are nearly full grow together, and others keep their capacity") {
+    const Growing g = growing(100, 1000);
+    State state(g.layout);
+    state.resize(g.tables[0], 100), state.resize(g.tables[1], 88), state.resize(g.tables[2], 87);
+    state.make_room({g.tables[0]}, 1);
+    CHECK(state.capacity(g.tables[0]) == 125);
+    CHECK(state.capacity(g.tables[1]) == 125);
+    CHECK(state.capacity(g.tables[2]) == 100);
+    state.make_room_for({{g.tables[0], 125}, {g.tables[2], 300}});
+    CHECK(state.capacity(g.tables[0]) == 125);
+    CHECK(state.capacity(g.tables[2]) == 337);
+    const std::span<const std::byte> block = state.block_bytes();
+    CHECK(std::all_of(block.begin() + 64, block.end(), [](std::byte b) { return b == std::byte{}; }));
 }
 
 TEST_CASE("a state takes no memory for rows that it does not have") {
