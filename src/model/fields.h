@@ -8,6 +8,7 @@
 #include "lockstone/math/math.h"
 #include "model/checks.h"
 
+#include <cstring>
 #include <string>
 #include <string_view>
 
@@ -44,7 +45,9 @@ struct RangeCheck {
             error += base::join(range.low == 0 && range.high == 1 ? " or " : " to ", range.high);
     }
     void operator()(const char* name, Real& value, const In<Real>& range) {
-        if (error.empty()) error = check_range(name, value, range.low, range.high, range.unit);
+        // An empty error, the usual case, is not assigned.
+        if (error.empty() && (value < range.low || value > range.high))
+            error = check_range(name, value, range.low, range.high, range.unit);
     }
     void operator()(const char* name, Real& value, const Below& range) {
         if (error.empty() && (value < Real{} || value >= range.end))
@@ -87,16 +90,17 @@ template <class Def> std::string check_ranges(Def def) {
     return check.error;
 }
 
-/// Calls visit(field) for the field with this name, if there is one.
-template <class T, class Visit> constexpr void visit_named(T& in, std::string_view name, Visit&& visit) {
+/// Calls visit(field) for the field with this name, if there is one. Compilers compare two constant names with strcmp
+/// at compile time, but not two string views.
+template <class T, class Visit> void visit_named(T& in, const char* name, Visit&& visit) {
     describe(in, [&](const char* other, auto& field) {
-        if (name == other) visit(field);
+        if (std::strcmp(name, other) == 0) visit(field);
     });
 }
 
 /// Copies every field of `from` to the field of `to` with the same name. Skips pairs of different types, except pairs
-/// of integers.
-template <class From, class To> constexpr void copy_named(From from, To& to) {
+/// of integers. Flattened, so that the compiler compares the names.
+template <class From, class To> [[gnu::flatten]] void copy_named(From from, To& to) {
     describe(from, [&]<class F>(const char* name, F& value) {
         visit_named(to, name, [&]<class T>(T& target) {
             if constexpr (std::is_same_v<F, T>)
@@ -108,7 +112,7 @@ template <class From, class To> constexpr void copy_named(From from, To& to) {
 }
 
 /// Copies the fields that a command gives (Change) to the fields with the same names.
-template <class Command, class To> constexpr void apply_changes(Command command, To& to) {
+template <class Command, class To> void apply_changes(Command command, To& to) {
     describe(command, [&]<class F>(const char* name, F& change) {
         if constexpr (requires { change.given; })
             if (change.given != 0)

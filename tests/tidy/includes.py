@@ -30,7 +30,7 @@ HOMES = [
     ("cstdint", "int8_t int16_t int32_t int64_t intptr_t uint8_t uint16_t uint32_t uint64_t uintptr_t"),
     ("cstdio", "FILE fclose ferror fflush fopen fputs fread fseek ftell fwrite rewind"),
     ("cstdlib", "abort free malloc"),
-    ("cstring", "memcmp memcpy memmove memset strerror strlen"),
+    ("cstring", "memcmp memcpy memmove memset strcmp strerror strlen"),
     ("deque vector", "erase_if"),
     ("filesystem", "filesystem"),
     ("fstream", "ifstream ofstream"),

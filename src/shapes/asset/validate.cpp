@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <string_view>
+#include <utility>
 
 namespace lockstone {
 namespace {
@@ -31,85 +32,97 @@ std::string told(Length v, const char* unit) {
     return decimal_of(v) + unit;
 }
 
-/// Returns an empty string or the error sentence. Builds text only for errors, which keeps the usual case
-/// cheap.
-std::string check(std::string_view shape, std::string_view field, Length v, Length low, Length high,
-                  const char* unit = " m") {
-    if (v >= low && v <= high) return {};
-    std::string fault = std::string(shape) + " " + std::string(field) + " is " + told(v, unit) +
-                        ", it must be in " + decimal_of(low) + unit + " .. " + decimal_of(high) + unit;
+/// The first error about a geometry. Builds text only for an error, so that the usual case is cheap.
+class Check {
+  public:
+    explicit Check(const Geometry& geometry) : g(geometry), name(name_of(geometry.kind)) {}
+
+    void sizes();
+    void scale();
+    void asset();
+
+    std::string fault; ///< empty: none so far
+
+  private:
+    void range(std::string_view field, Length v, Length low, Length high, const char* unit = " m") {
+        if (fault.empty() && (v < low || v > high)) out_of_range(field, v, low, high, unit);
+    }
+    void size(std::string_view field, Length v) { range(field, v, shape_size_min, shape_size_max); }
+    void out_of_range(std::string_view field, Length v, Length low, Length high, const char* unit);
+    /// A rounding radius must not be negative, and the rounded shape must stay within 100 m.
+    void rounded(Length widest) {
+        range("radius", g.radius, Length{}, shape_size_max);
+        range("half_extent + radius", widest + g.radius, Length{}, shape_size_max);
+    }
+    void round_core();
+
+    const Geometry& g;
+    std::string_view name;
+};
+
+void Check::out_of_range(std::string_view field, Length v, Length low, Length high, const char* unit) {
+    fault = std::string(name) + " " + std::string(field) + " is " + told(v, unit) + ", it must be in " +
+            decimal_of(low) + unit + " .. " + decimal_of(high) + unit;
     if (v > high && low == shape_size_min && high == shape_size_max)
         fault += "; on a static body scaled() makes a smaller one up to 8 times as large";
-    return fault;
-}
-std::string check(std::string_view shape, std::string_view field, Length v) {
-    return check(shape, field, v, shape_size_min, shape_size_max);
 }
 
-template <class... More> std::string first_of(std::string a, More... more) {
-    if constexpr (sizeof...(More) == 0)
-        return a;
-    else
-        return a.empty() ? first_of(std::move(more)...) : a;
-}
-
-/// A rounding radius must not be negative, and the rounded shape must stay within 100 m.
-std::string check_rounded(std::string_view name, const Geometry& g, Length widest) {
-    return first_of(check(name, "radius", g.radius, Length{}, shape_size_max),
-                    check(name, "half_extent + radius", widest + g.radius, Length{}, shape_size_max));
-}
-
-std::string check_round_core(std::string_view name, const Geometry& g) {
+void Check::round_core() {
     const LengthVec3& half = g.half_extent;
-    if (half.x != half.z)
-        return std::string(name) + " half_extent.x is " + decimal_of(half.x) + " m and half_extent.z is " +
-               decimal_of(half.z) + " m, they must be equal";
-    return first_of(check(name, "half_extent.x", half.x), check(name, "half_extent.y", half.y),
-                    check_rounded(name, g, max(half.x, half.y)));
+    if (half.x != half.z) {
+        fault = std::string(name) + " half_extent.x is " + decimal_of(half.x) + " m and half_extent.z is " +
+                decimal_of(half.z) + " m, they must be equal";
+        return;
+    }
+    size("half_extent.x", half.x);
+    size("half_extent.y", half.y);
+    rounded(max(half.x, half.y));
 }
 
-std::string check_sizes(const Geometry& g) {
+void Check::sizes() {
     const LengthVec3& half = g.half_extent;
-    const std::string_view name = name_of(g.kind);
     switch (g.kind) {
     case ShapeKind::sphere:
-        return check(name, "radius", g.radius);
+        return size("radius", g.radius);
     case ShapeKind::capsule:
-        return first_of(check(name, "radius", g.radius),
-                        check(name, "half_extent.y", half.y, Length{}, shape_size_max),
-                        check(name, "half_extent.y + radius", half.y + g.radius));
+        size("radius", g.radius);
+        range("half_extent.y", half.y, Length{}, shape_size_max);
+        return size("half_extent.y + radius", half.y + g.radius);
     case ShapeKind::cylinder:
     case ShapeKind::cone:
-        return check_round_core(name, g);
+        return round_core();
     case ShapeKind::box:
-        return first_of(check(name, "half_extent.x", half.x), check(name, "half_extent.y", half.y),
-                        check(name, "half_extent.z", half.z),
-                        check_rounded(name, g, max(half.x, max(half.y, half.z))));
+        size("half_extent.x", half.x);
+        size("half_extent.y", half.y);
+        size("half_extent.z", half.z);
+        return rounded(max(half.x, max(half.y, half.z)));
     case ShapeKind::hull:
-        return check(name, "radius", g.radius, Length{}, shape_size_max);
+        return range("radius", g.radius, Length{}, shape_size_max);
     default: // a plane has no size, and the other kinds have no radius
-        return check(name, "radius", g.radius, Length{}, Length{});
+        return range("radius", g.radius, Length{}, Length{});
     }
 }
 
-std::string check_scale(const Geometry& g) {
-    const std::string_view name = name_of(g.kind);
+void Check::scale() {
     const Length x = g.scale.x, y = g.scale.y, z = g.scale.z;
-    if (g.kind == ShapeKind::hull || g.kind == ShapeKind::mesh || g.kind == ShapeKind::height_field)
-        return first_of(check(name, "scale.x", x, scale_min, scale_max, ""),
-                        check(name, "scale.y", y, scale_min, scale_max, ""),
-                        check(name, "scale.z", z, scale_min, scale_max, ""));
+    if (g.kind == ShapeKind::hull || g.kind == ShapeKind::mesh || g.kind == ShapeKind::height_field) {
+        range("scale.x", x, scale_min, scale_max, "");
+        range("scale.y", y, scale_min, scale_max, "");
+        range("scale.z", z, scale_min, scale_max, "");
+        return;
+    }
     const bool fixed = g.kind == ShapeKind::compound || g.kind == ShapeKind::plane;
     const auto allowed = [&](int factor) { return x == Length(factor) && (factor == 1 || !fixed); };
-    if (x == y && y == z && (allowed(1) || allowed(2) || allowed(4) || allowed(8))) return {};
-    return std::string(name) + " scale is (" + decimal_of(x) + ", " + decimal_of(y) + ", " + decimal_of(z) +
-           "), it must be " + (fixed ? "(1, 1, 1)" : "1, 2, 4 or 8 on all axes");
+    if (!fault.empty() || (x == y && y == z && (allowed(1) || allowed(2) || allowed(4) || allowed(8))))
+        return;
+    fault = std::string(name) + " scale is (" + decimal_of(x) + ", " + decimal_of(y) + ", " + decimal_of(z) +
+            "), it must be " + (fixed ? "(1, 1, 1)" : "1, 2, 4 or 8 on all axes");
 }
 
-std::string check_asset(const Geometry& g) {
+void Check::asset() {
     const bool wanted = g.kind >= ShapeKind::hull && g.kind <= ShapeKind::mesh;
-    if (wanted == static_cast<bool>(g.asset)) return {};
-    return std::string(name_of(g.kind)) + (wanted ? " names no asset" : " names an asset, it can have none");
+    if (!fault.empty() || wanted == static_cast<bool>(g.asset)) return;
+    fault = std::string(name) + (wanted ? " names no asset" : " names an asset, it can have none");
 }
 
 } // namespace
@@ -125,7 +138,11 @@ std::string validate(const Geometry& g) {
     if (g.kind > ShapeKind::plane)
         return "shape kind is " + std::to_string(static_cast<std::uint32_t>(g.kind)) +
                ", it must be in 0 .. 9";
-    return first_of(check_sizes(g), check_scale(g), check_asset(g));
+    Check check(g);
+    check.sizes();
+    check.scale();
+    check.asset();
+    return std::move(check.fault);
 }
 
 } // namespace lockstone
