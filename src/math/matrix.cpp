@@ -136,10 +136,14 @@ void turn_columns(Integers3x3& m, std::size_t p, std::size_t q, const Turn& t) {
 
 // Jacobi's method, cyclic by rows. It converges quadratically: seven sweeps clear 58 bits with two to spare.
 Diagonal diagonalize(const Mat3& symmetric) {
-    constexpr int sweeps = 10;
+    constexpr int sweeps = 10, bits = 58;
     Mat3 a = symmetric;
     a.x.y = a.y.x, a.x.z = a.z.x, a.y.z = a.z.y; // only the upper triangle of the input counts
-    const Scaled3x3 s = scaled_to(a, 58);
+    // A diagonal matrix needs no turn, and its values are exact if the scale would shift no bit out.
+    const std::uint64_t all = magnitude(a.x.x.raw) | magnitude(a.y.y.raw) | magnitude(a.z.z.raw);
+    if ((a.y.x.raw | a.z.x.raw | a.z.y.raw) == 0 && (all >> bits) == 0)
+        return {{a.x.x, a.y.y, a.z.z}, Quat::identity()};
+    const Scaled3x3 s = scaled_to(a, bits);
     Integers3x3 m = s.m;
     const std::int64_t one = std::int64_t{1} << 60;
     Integers3x3 axes = {{{one, 0, 0}, {0, one, 0}, {0, 0, one}}};

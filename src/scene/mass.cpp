@@ -39,16 +39,17 @@ void update_mass(Model& w, PlacedShapes& s, std::uint32_t row) {
     }
     std::reverse(parts.begin(), parts.end()); // into the order of creation
     const MassProperties total = combine(parts);
-    const PrincipalGyration principal = principal_gyration(total);
     BodyMass mass{};
     mass.center = total.center;
-    for (int i = 0; i < 3; ++i) mass.gyration[i] = max(principal.radii[i], gyration_min);
-    mass.principal = principal.axes;
     // Without shapes: a ball of 1 kg with a gyration radius of 1 m.
     if (total.mass == Real{}) {
         const Real radius = info.kind == BodyKind::dynamic ? Real(1) : reach_of(w, s, info);
         mass.gyration = {radius, radius, radius};
         mass.principal = Quat::identity();
+    } else {
+        const PrincipalGyration principal = principal_gyration(total);
+        for (int i = 0; i < 3; ++i) mass.gyration[i] = max(principal.radii[i], gyration_min);
+        mass.principal = principal.axes;
     }
     if (info.kind == BodyKind::dynamic) {
         const Real from_shapes = total.mass == Real{} ? Real(1) : clamp(total.mass, mass_min, mass_max);

@@ -110,8 +110,15 @@ MassProperties primitive_mass(const Geometry& g, Real density) {
     }
 }
 
+/// A symmetric matrix; the lower triangle copies the upper.
+Matrix3<I20F44> symmetric(const Matrix3<I20F44>& k) {
+    return {{k.x.x, k.y.x, k.z.x}, {k.y.x, k.y.y, k.z.y}, {k.z.x, k.z.y, k.z.z}};
+}
+
 /// R K R^T for a symmetric K; the lower triangle copies the upper.
-Matrix3<I20F44> rotated(const Rotation& r, const Matrix3<I20F44>& k) {
+Matrix3<I20F44> rotated(Quat rotation, const Matrix3<I20F44>& k) {
+    if (rotation == Quat::identity()) return symmetric(k); // the products would be exact
+    const Rotation r = to_rotation(rotation);
     const Matrix3<I20F44> half_way = mul<I20F44>(r, k); // columns of R K
     const Matrix3<I20F44> rows = transpose(half_way);   // rows of R K
     const Rotation t = transpose(r);                    // rows of R
@@ -157,6 +164,12 @@ MassProperties combine(std::span<const MassPart> parts) {
     MassProperties body{};
     for (const MassPart& part : parts) body.mass += part.properties.mass;
     if (body.mass <= Real{}) return MassProperties{};
+    if (parts.size() == 1) { // the share is one, and the part has no offset
+        const MassProperties& only = parts[0].properties;
+        body.center = parts[0].local * only.center;
+        body.gyration_squared = rotated(parts[0].local.rotation, only.gyration_squared);
+        return body;
+    }
     const auto share = [&](const MassPart& part) {
         return I2F62::from_raw(divide_shifted(part.properties.mass.raw, body.mass.raw, I2F62::fraction_bits));
     };
@@ -165,8 +178,7 @@ MassProperties combine(std::span<const MassPart> parts) {
     for (const MassPart& part : parts) {
         const Vec3 offset = part.local * part.properties.center - body.center;
         const Matrix3<I20F44> about_body =
-            rotated(to_rotation(part.local.rotation), part.properties.gyration_squared) +
-            point_gyration(offset);
+            rotated(part.local.rotation, part.properties.gyration_squared) + point_gyration(offset);
         const I2F62 s = share(part);
         const auto shared = [s](const Vector3<I20F44>& column) { return scale<I20F44>(column, s); };
         body.gyration_squared =

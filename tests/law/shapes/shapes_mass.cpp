@@ -96,6 +96,22 @@ TEST_CASE("a body of several parts obeys the parallel axis theorem") {
     CHECK(mass_properties(plane(), 50_r).mass == 0_r);
 }
 
+TEST_CASE("a body of one part has the bits of a body with a second part of no mass") {
+    oracle::RandomReal random(53);
+    for (int i = 0; i < 500; ++i) {
+        std::vector<MassPart> parts = random_parts(random);
+        parts.resize(1);
+        if (i % 3 == 0) parts[0].local.rotation = Quat::identity();
+        if (i % 5 == 0) parts[0].local.position = {};
+        const MassProperties alone = combine(parts);
+        parts.push_back({{}, {{3_r, 4_r, 5_r}, random.rotation(0, 3)}});
+        const MassProperties both = combine(parts);
+        CHECK(alone.mass == both.mass);
+        CHECK(alone.center == both.center);
+        CHECK(alone.gyration_squared == both.gyration_squared);
+    }
+}
+
 TEST_CASE("two halves of a box combine to the mass properties of the box") {
     const MassProperties whole = mass_properties(box(1_r, 0.5_r, 0.25_r), 8_r),
                          half = mass_properties(box(0.5_r, 0.5_r, 0.25_r), 8_r);
