@@ -366,7 +366,13 @@ void JoinedBodies::reserve(const WorldRows& rows) {
 bool JoinedBodies::find(const Model& w) {
     const std::uint32_t joints = w.state.count(w.m.joints), slots = w.state.count(w.m.body_slots),
                         before = w.state.take_changes(w.m.joint.index, seen, changed);
-    if (changed.empty() && before == joints && bits.size() == slots) return false;
+    if (changed.empty() && before == joints && !first.empty()) {
+        if (bits.size() == slots) return false;
+        // Bodies that came or went since then have no joint.
+        base::make_room(bits, slots), base::make_room(first, slots + 1);
+        bits.resize(slots, 0), first.resize(slots + 1, static_cast<std::uint32_t>(partners.size()));
+        return false;
+    }
     const auto for_each_end = [&](auto&& visit) {
         for (const JointRow& joint : w.state.rows(w.m.joint)) {
             if (joint.def.collide_connected != 0 || !joint.def.body_a) continue;
