@@ -325,6 +325,17 @@ void meet_shape(const Model& w, PlacedShapes& s, const ShapeRow& shape) {
     if (!is_awake(w, body_row)) set_resting_proxy(w, s, shape, body_row);
 }
 
+/// Passes on which shapes belong to static bodies: two of them never meet. Every command that adds a shape to a body,
+/// or removes one, edits the body's row of body_info; `s.changed` has the rows that changed.
+void take_kinds(const Model& w, PlacedShapes& s) {
+    const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
+    for (const RowRange& range : s.changed)
+        for (std::uint32_t row = range.first; row < range.end; ++row)
+            for_each_shape(w, row, [&](const ShapeRow& shape) {
+                s.broad_phase.set_never_moves(shape.id.index - 1, info[row].kind == BodyKind::static_);
+            });
+}
+
 /// Updates the filters of the shapes that may have changed since the last call. Leaves the changed rows of the table
 /// of shapes in `s.changed`.
 void take_shape_changes(const Model& w, PlacedShapes& s) {
@@ -361,6 +372,7 @@ void update_resting(const Model& w, PlacedShapes& s) {
             meet_shape(w, s, state.rows(w.m.shape)[row]);
     for (const std::uint32_t column : {w.m.body_info.index, w.m.body_pose.index}) {
         state.take_changes(column, s.proxies_of, s.changed);
+        if (column == w.m.body_info.index) take_kinds(w, s);
         for (const RowRange& range : s.changed) set_resting_proxies(w, s, range.first, range.end);
     }
     // Bodies that were awake then and rest now: their pages may be from before that call.
@@ -374,7 +386,9 @@ void update_resting(const Model& w, PlacedShapes& s) {
 /// Skips the changes of resting shapes: used when only awake bodies, and the set of awake bodies, have changed.
 void pass_over_changes(const Model& w, PlacedShapes& s) {
     take_shape_changes(w, s);
-    for (const std::uint32_t column : {w.m.shape_slot.index, w.m.body_info.index, w.m.body_pose.index})
+    w.state.take_changes(w.m.body_info.index, s.proxies_of, s.changed);
+    take_kinds(w, s);
+    for (const std::uint32_t column : {w.m.shape_slot.index, w.m.body_pose.index})
         w.state.take_changes(column, s.proxies_of, s.changed);
 }
 

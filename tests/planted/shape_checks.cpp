@@ -1,6 +1,7 @@
 // Shapes: queries of their parts near a place, and their manifolds.
 #include "checks.h"
 #include "collide/bounds.h"
+#include "collide/broad/broad_phase.h"
 #include "collide/narrow_phase.h"
 #include "collide/query/cast.h"
 #include "law/collide/long_sweeps.h"
@@ -42,6 +43,31 @@ std::string parts_are_found() {
     std::vector<std::uint32_t> found;
     row.compound->find(row.compound->extent, found);
     return found.size() == balls.size() ? "" : "a part of a compound is not found";
+}
+
+/// Movers that the broad phase knows, a level that never moves around them, and movers that come with it. Then the
+/// level begins to move. Each of its boxes overlaps its neighbours and one mover.
+std::string level_is_found() {
+    constexpr std::uint32_t boxes = 100, proxies = 2 * boxes;
+    collide::BroadPhase phase(proxies);
+    std::vector<collide::ProxyPair> pairs;
+    const auto place = [&](std::uint32_t proxy) {
+        const Bound x = Bound(static_cast<int>(proxy % boxes)), one = Bound(1);
+        phase.set(proxy, {{x, Bound{}, Bound{}}, {x + one, one, one}}, false);
+    };
+    const auto find = [&] {
+        phase.find_pairs(pairs);
+        return pairs.size();
+    };
+    for (std::uint32_t mover = 0; mover < 20; ++mover) place(mover);
+    if (find() != 19) return "the movers alone have other pairs";
+    for (std::uint32_t i = 0; i < boxes; ++i) phase.set_never_moves(boxes + i, true), place(boxes + i);
+    for (std::uint32_t mover = 20; mover < 30; ++mover) place(mover);
+    if (find() != 29 + 30 * 3 - 1) return "the movers and the level have other pairs";
+    for (std::uint32_t mover = 30; mover < 40; ++mover) place(mover);
+    if (find() != 39 + 40 * 3 - 1) return "more movers and the level have other pairs";
+    for (std::uint32_t i = 0; i < boxes; ++i) phase.set_never_moves(boxes + i, false);
+    return find() == 39 + 40 * 3 - 1 + boxes - 1 ? "" : "the level that moves has other pairs";
 }
 
 /// A cube of a metre, as a hull.
@@ -370,6 +396,7 @@ Checks shape_checks() {
             {"scaled shapes have their size", scaled_shapes_have_their_size},
             {"mirrored assets are images", mirrored_assets_are_images},
             {"submerged parts are told", submerged_parts_are_told},
+            {"what never moves is found", level_is_found},
             {"many boxes have the bounds of each", many_have_their_bounds}};
 }
 

@@ -18,6 +18,9 @@ using base::Path;
 /// Work per chunk that a worker takes: pairs of leaves, and leaves that changed.
 static constexpr std::uint32_t overlaps_per_chunk = 1024, fresh_per_chunk = 16;
 
+/// The least number of fresh leaves that never move for which the other leaves search.
+static constexpr std::uint32_t still_leaves_least = 64;
+
 BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin) : margin(leaf_margin) {
     grow(proxy_capacity);
     reserve(proxy_capacity);
@@ -34,7 +37,7 @@ void BroadPhase::grow(std::uint32_t proxy_capacity) {
 
 void BroadPhase::reserve(std::uint32_t proxies) {
     moving.reserve(proxies), fixed.reserve(proxies);
-    moved.reserve(proxies), changed.reserve(proxies), leaves.reserve(proxies);
+    moved.reserve(proxies), changed.reserve(proxies), leaves.reserve(proxies), searchers.reserve(proxies);
     for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &barred, &found, &merged})
         pairs->reserve(std::size_t{8} * proxies);
 }
@@ -65,8 +68,9 @@ void BroadPhase::set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_stat
     entry.present = true;
     entry.is_static = is_static;
     const bool is_known = motion != Vector3<Bound>{};
-    entry.leaf_bounds =
-        is_static ? exact : moving_leaf(is_known ? motion : exact.lower - before.lower, exact);
+    entry.leaf_bounds = is_static || entry.never_moves
+                            ? exact
+                            : moving_leaf(is_known ? motion : exact.lower - before.lower, exact);
     note_move(proxy);
 }
 
@@ -145,6 +149,7 @@ void BroadPhase::move_leaves(bool is_fixed, std::uint32_t count) {
 void BroadPhase::rebuild(bool is_fixed) {
     BoundsTree& tree = tree_of(is_fixed);
     leaves.clear();
+    base::make_room(leaves, tree.leaf_count() + moved.size());
     tree.for_each_leaf([&](BoundsTree::NodeId, const BoundsTree::Node& leaf) {
         const Entry& entry = entries[leaf.proxy()];
         if (!entry.moved) leaves.push_back({leaf.bounds, leaf.proxy()});
@@ -264,7 +269,8 @@ void BroadPhase::find_first_pairs(std::vector<ProxyPair>& out, std::size_t count
         const auto meets = [&](const Bounds& other) { return overlap(other, bounds); };
         const std::ptrdiff_t before = std::ssize(out);
         const auto add = [&](std::uint32_t b) {
-            if (b > a && meets(exact_bounds[b]) && is_wanted({a, b})) out.push_back({a, b});
+            if (b > a && !never_meet(a, b) && meets(exact_bounds[b]) && is_wanted({a, b}))
+                out.push_back({a, b});
         };
         moving.query_if(meets, open, add);
         if (!entries[a].is_static) fixed.query_if(meets, open, add);
@@ -279,15 +285,44 @@ ProxyPair ordered(std::uint32_t x, std::uint32_t y) { return x < y ? ProxyPair{x
 
 } // namespace
 
+void BroadPhase::change_kind(std::uint32_t proxy) {
+    Entry& entry = entries[proxy];
+    entry.never_moves = !entry.never_moves;
+    if (entry.present) make_fresh(proxy);
+}
+
+/// A level of a game consists of many leaves that never move, and few others. When many of them are fresh, it costs
+/// less when the others search.
+std::span<const std::uint32_t> BroadPhase::choose_searchers() {
+    std::uint32_t still = 0, others = 0;
+    for (const std::uint32_t proxy : changed)
+        if (entries[proxy].present && entries[proxy].never_moves) ++still;
+    others_search = still >= still_leaves_least && std::size_t{still} * 32 >= entries.size();
+    if (!others_search) return changed;
+    for (const Entry& entry : entries) others += entry.present && !entry.never_moves ? 1 : 0;
+    others_search = others < still;
+    if (!others_search) return changed;
+    searchers.clear();
+    base::make_room(searchers, others);
+    for (std::uint32_t proxy = 0; proxy < entries.size(); ++proxy)
+        if (entries[proxy].present && !entries[proxy].never_moves) searchers.push_back(proxy);
+    return searchers;
+}
+
+bool BroadPhase::adds_pair(std::uint32_t proxy, std::uint32_t other) const {
+    const Entry &own = entries[proxy], &its = entries[other];
+    if (others_search && its.never_moves) return own.fresh || its.fresh; // only the own search finds the pair
+    return own.fresh && !(its.fresh && other < proxy);
+}
+
 void BroadPhase::find_pairs_of(std::uint32_t proxy, const PairFilter& filter, std::vector<ProxyPair>& allowed,
                                std::vector<ProxyPair>& forbidden,
                                std::vector<BoundsTree::NodeId>& own) const {
     const Entry& entry = entries[proxy];
     if (!entry.present) return;
     const auto meets = [leaf = entry.leaf_bounds](const Bounds& other) { return overlap(other, leaf); };
-    // When both leaves are fresh, the proxy with the lower number adds the pair.
     const auto add = [&](std::uint32_t other) {
-        if (other < proxy && entries[other].fresh) return;
+        if (never_meet(proxy, other) || !adds_pair(proxy, other)) return;
         const ProxyPair pair = ordered(proxy, other);
         (filter.allows(pair) ? allowed : forbidden).push_back(pair);
     };
@@ -299,11 +334,12 @@ void BroadPhase::find_pairs_of(std::uint32_t proxy, const PairFilter& filter, st
 
 bool BroadPhase::find_fresh_pairs(std::size_t found_max, const PairFilter& filter, Tasks* tasks) {
     constexpr std::uint32_t chunk = fresh_per_chunk;
-    const std::uint32_t count = static_cast<std::uint32_t>(changed.size());
+    const std::span<const std::uint32_t> searching = choose_searchers();
+    const std::uint32_t count = static_cast<std::uint32_t>(searching.size());
     const bool is_shared = base::is_shared(tasks, count, chunk);
     paths.take(is_shared, Path::fresh_pairs_by_one, Path::fresh_pairs_by_workers);
     if (!is_shared) {
-        for (std::uint32_t proxy : changed) {
+        for (std::uint32_t proxy : searching) {
             find_pairs_of(proxy, filter, found, barred, open);
             if (found.size() + barred.size() > found_max) return false;
         }
@@ -315,7 +351,7 @@ bool BroadPhase::find_fresh_pairs(std::size_t found_max, const PairFilter& filte
         FreshPairs& own = fresh_of_chunk[first / chunk];
         own.found.clear(), own.barred.clear();
         for (std::uint32_t i = first; i < last && own.found.size() + own.barred.size() <= found_max; ++i)
-            find_pairs_of(changed[i], filter, own.found, own.barred, own.open);
+            find_pairs_of(searching[i], filter, own.found, own.barred, own.open);
     });
     for (std::uint32_t first = 0; first < count; first += chunk) {
         const FreshPairs& own = fresh_of_chunk[first / chunk];

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace lockstone::collide {
@@ -66,15 +67,20 @@ class BroadPhase {
         exact_bounds[proxy] = exact;
         return true;
     }
+    /// Pairs of two proxies that never move are excluded, as are pairs of two static ones. Unlike a static proxy,
+    /// one that never moves has pairs with all others. Kept after remove(). Default, also after clear(): false.
+    void set_never_moves(std::uint32_t proxy, bool never_moves) {
+        if (entries[proxy].never_moves != never_moves) change_kind(proxy);
+    }
     /// Does nothing for a proxy that is not present.
     void remove(std::uint32_t proxy);
     bool contains(std::uint32_t proxy) const { return proxy < entries.size() && entries[proxy].present; }
     void clear();
 
-    /// Writes all pairs, not both static, whose exact bounds overlap (touching counts) and that `filter`
-    /// allows, sorted by (a, b). The cost grows with the proxies that left their leaf since the last call, plus
-    /// one test for each pair of overlapping leaves. Returns false and an empty list when more than
-    /// `leaf_pairs_max` pairs of leaves overlap. The next call then searches for all pairs again.
+    /// Writes all pairs, not both static and not both never moving, whose exact bounds overlap (touching counts)
+    /// and that `filter` allows, sorted by (a, b). The cost grows with the proxies that left their leaf since the
+    /// last call, plus one test for each pair of overlapping leaves. Returns false and an empty list when more
+    /// than `leaf_pairs_max` pairs of leaves overlap. The next call then searches for all pairs again.
     bool find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max = SIZE_MAX,
                     const PairFilter& filter = {}, Tasks* tasks = nullptr);
     /// For crowds with too many pairs for a list: writes the first `count_max` of all pairs for which
@@ -122,8 +128,10 @@ class BroadPhase {
         bool moved;    ///< the tree does not have its current leaf bounds yet
         bool stays;    ///< while the trees are updated: the leaf keeps its place in its tree
         bool fresh;    ///< dirty flag: `leaf_pairs` does not reflect its leaf yet
+        bool never_moves;
     };
-    static constexpr Entry absent{Bounds{}, BoundsTree::none, false, false, false, false, false, false};
+    static constexpr Entry absent{Bounds{}, BoundsTree::none, false, false, false, false, false, false,
+                                  false};
 
     /// Writes the proxies whose exact bounds pass `may_meet`, sorted. Skips the subtrees whose bounds fail
     /// `may_meet_node`.
@@ -152,6 +160,15 @@ class BroadPhase {
     BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
     const BoundsTree& tree_of(bool is_fixed) const { return is_fixed ? fixed : moving; }
     bool is_fresh(ProxyPair pair) const { return entries[pair.a].fresh || entries[pair.b].fresh; }
+    void change_kind(std::uint32_t proxy);
+    bool never_meet(std::uint32_t a, std::uint32_t b) const {
+        return entries[a].never_moves && entries[b].never_moves;
+    }
+    /// The leaves that search for the pairs of all leaves that changed. Sets `others_search`.
+    std::span<const std::uint32_t> choose_searchers();
+    /// Returns true if the search of `proxy` adds its pair with `other`. Exactly one of the two searches does, for
+    /// a pair with a fresh leaf.
+    bool adds_pair(std::uint32_t proxy, std::uint32_t other) const;
     /// Finds the pairs of all leaves that changed. Returns false when there are more than `found_max`.
     bool find_fresh_pairs(std::size_t found_max, const PairFilter& filter, Tasks* tasks);
     /// Appends the pairs of one leaf to `allowed` and `forbidden`; `own` is scratch.
@@ -177,6 +194,9 @@ class BroadPhase {
     bool gave_up = false; // the last call found too many leaf pairs, so the cached pairs are invalid
     // scratch
     std::vector<ProxyPair> found, merged;
+    std::vector<std::uint32_t> searchers;
+    /// The proxies that never move do not search in this call: all others search for their pairs.
+    bool others_search = false;
     std::vector<BoundsTree::NodeId> open;
     std::vector<BoundsTree::Leaf> leaves;
     /// The pairs that one worker finds for a chunk of the changed leaves.

@@ -225,6 +225,44 @@ TEST_CASE("the broad phase caches the answers of a filter and calls a new filter
     CHECK(asked == 0);
 }
 
+TEST_CASE(
+    "the broad phase excludes pairs of two proxies that never move, and finds all others, whichever side "
+    "searches") {
+    constexpr std::uint32_t count = 300;
+    Crowd crowd(count, 6, 11);
+    oracle::RandomReal random(12);
+    BroadPhase kept(count);
+    std::vector<bool> is_still(count, false);
+    std::vector<ProxyPair> pairs;
+    std::size_t total = 0, all = 0;
+    for (int frame = 0; frame < 300; ++frame) {
+        crowd.step();
+        // In some frames many proxies begin or cease to move, or appear at another place; in the others few do.
+        const bool are_many = random.below(4) == 0;
+        const std::uint32_t one_in = are_many ? 2 : 100;
+        const bool are_mostly_still = random.below(2) == 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            if (random.below(one_in) == 0) {
+                is_still[i] = are_mostly_still ? random.below(10) != 0 : random.below(2) == 0;
+                if (random.below(2) == 0) crowd.appear(crowd.members[i]);
+            }
+            kept.set_never_moves(i, is_still[i]);
+            crowd.set(kept, i);
+        }
+        std::vector<ProxyPair> expected = crowd.brute_force();
+        all += expected.size();
+        std::erase_if(expected, [&](ProxyPair p) { return is_still[p.a] && is_still[p.b]; });
+        total += expected.size();
+        if (random.below(10) == 0) kept.find_pairs(pairs, 3); // gives up
+        kept.find_pairs(pairs);
+        REQUIRE(check_pairs(pairs, expected) == "");
+        kept.find_first_pairs(pairs, SIZE_MAX, [](ProxyPair) { return true; });
+        REQUIRE(check_pairs(pairs, expected) == "");
+    }
+    CHECK(total > 10000);
+    CHECK(all > total + 5000);
+}
+
 TEST_CASE("a query returns the sorted proxies that a box overlaps or that a swept box may meet on short and "
           "long paths") {
     constexpr std::uint32_t count = 400;
