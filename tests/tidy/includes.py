@@ -13,7 +13,7 @@ CONTAINERS = "array deque map set span string string_view vector"
 # (headers, names): each of the headers declares the names.
 HOMES = [
     ("algorithm", "adjacent_find all_of any_of binary_search clamp copy copy_backward copy_if copy_n count count_if equal fill fill_n find find_if "
-                  "is_sorted lower_bound max max_element merge min min_element minmax mismatch none_of nth_element remove_if reverse reverse_copy rotate "
+                  "is_sorted lower_bound max max_element merge min min_element minmax mismatch none_of nth_element partition remove_if reverse reverse_copy rotate "
                   "sort stable_sort swap_ranges transform unique upper_bound"),
     ("array", "to_array"),
     ("array tuple utility", "get tuple_element_t tuple_size_v"),

@@ -2,6 +2,8 @@
 // up); Kopta et al., Fast, Effective BVH Updates for Animated Scenes, I3D 2012 (rotations).
 #include "collide/broad/tree.h"
 
+#include "base/room.h"
+
 #include <algorithm>
 
 namespace lockstone::collide {
@@ -162,26 +164,31 @@ void BoundsTree::swap_with_grandchild(NodeId id, int side, int grandchild) {
 
 namespace {
 
-struct Center {
-    int axis;
-    std::int64_t operator()(const BoundsTree::Leaf& leaf) const {
-        return std::int64_t{leaf.bounds.lower[axis].raw} + leaf.bounds.upper[axis].raw;
-    }
-};
+/// The centre of a leaf along an axis, to one step.
+Bound center_of(const BoundsTree::Leaf& leaf, int axis) {
+    return Bound::from_raw((leaf.bounds.lower[axis].raw >> 1) + (leaf.bounds.upper[axis].raw >> 1));
+}
 
-/// The axis along which the centres spread most.
-int widest_axis(const BoundsTree::Leaf* begin, const BoundsTree::Leaf* end) {
-    int widest = 0;
-    std::int64_t spread = -1;
-    for (int axis = 0; axis < 3; ++axis) {
-        const Center center{axis};
-        std::int64_t low = center(*begin), high = low;
-        for (const BoundsTree::Leaf* leaf = begin + 1; leaf != end; ++leaf) {
-            low = std::min(low, center(*leaf));
-            high = std::max(high, center(*leaf));
+/// The box around the centres.
+Bounds cell_of(const BoundsTree::Leaf* begin, const BoundsTree::Leaf* end) {
+    Bounds cell{};
+    for (const BoundsTree::Leaf* leaf = begin; leaf != end; ++leaf)
+        for (int axis = 0; axis < 3; ++axis) {
+            const Bound at = center_of(*leaf, axis);
+            cell.lower[axis] = leaf == begin ? at : min(cell.lower[axis], at);
+            cell.upper[axis] = leaf == begin ? at : max(cell.upper[axis], at);
         }
-        if (high - low > spread) spread = high - low, widest = axis;
-    }
+    return cell;
+}
+
+std::int64_t width_of(const Bounds& cell, int axis) {
+    return std::int64_t{cell.upper[axis].raw} - cell.lower[axis].raw;
+}
+
+int widest_axis(const Bounds& cell) {
+    int widest = 0;
+    for (int axis = 1; axis < 3; ++axis)
+        if (width_of(cell, axis) > width_of(cell, widest)) widest = axis;
     return widest;
 }
 
@@ -205,8 +212,10 @@ void BoundsTree::refit() { merge_all(); }
 template <class Split> void BoundsTree::rebuild_by(std::vector<Leaf>& leaves, Split&& split) {
     clear();
     leaf_total = static_cast<std::uint32_t>(leaves.size());
+    base::make_room(nodes, 2 * leaves.size());
     ranges.clear();
-    if (!leaves.empty()) ranges.push_back({0, static_cast<std::uint32_t>(leaves.size()), none, 0});
+    if (!leaves.empty())
+        ranges.push_back({0, leaf_total, none, 0, cell_of(leaves.data(), leaves.data() + leaf_total)});
     while (!ranges.empty()) {
         const Range r = ranges.back();
         ranges.pop_back();
@@ -223,29 +232,44 @@ template <class Split> void BoundsTree::rebuild_by(std::vector<Leaf>& leaves, Sp
         }
         at(id).parent = r.parent;
         at(id).child[0] = id; // marks an inner node; its children overwrite this
-        const std::uint32_t middle = static_cast<std::uint32_t>(split(begin, end) - leaves.data());
-        ranges.push_back({r.begin, middle, id, 0});
-        ranges.push_back({middle, r.end, id, 1});
+        Bounds cells[2] = {r.cell, r.cell};
+        const std::uint32_t middle = static_cast<std::uint32_t>(split(begin, end, cells) - leaves.data());
+        ranges.push_back({r.begin, middle, id, 0, cells[0]});
+        ranges.push_back({middle, r.end, id, 1, cells[1]});
     }
     merge_all();
     is_ordered = true;
     area_max = area + area / 4;
 }
 
-/// Splits at the median of the widest axis.
+/// Splits the cell in the middle of its widest axis, which costs one pass over the leaves. If a side would get less
+/// than an eighth of the leaves, first shrinks the cell; if that does not help, splits at the median.
 void BoundsTree::rebuild(std::vector<Leaf>& leaves) {
-    rebuild_by(leaves, [](Leaf* begin, Leaf* end) {
-        const Center center{widest_axis(begin, end)};
-        Leaf* const middle = begin + (end - begin) / 2;
-        std::nth_element(begin, middle, end,
-                         [center](const Leaf& a, const Leaf& b) { return center(a) < center(b); });
-        return middle;
+    rebuild_by(leaves, [](Leaf* begin, Leaf* end, Bounds(&cells)[2]) {
+        const std::ptrdiff_t count = end - begin;
+        if (count == 2) return begin + 1;
+        for (const bool is_tight : {false, true}) {
+            if (is_tight) cells[0] = cells[1] = cell_of(begin, end);
+            const int axis = widest_axis(cells[0]);
+            const Bound middle = Bound::from_raw(
+                static_cast<std::int32_t>(cells[0].lower[axis].raw + width_of(cells[0], axis) / 2));
+            Leaf* const border =
+                std::partition(begin, end, [&](const Leaf& leaf) { return center_of(leaf, axis) <= middle; });
+            if (std::min(border - begin, end - border) <= count / 8) continue;
+            cells[0].upper[axis] = cells[1].lower[axis] = middle;
+            return border;
+        }
+        Leaf* const median = begin + count / 2;
+        std::nth_element(begin, median, end, [axis = widest_axis(cells[0])](const Leaf& a, const Leaf& b) {
+            return center_of(a, axis) < center_of(b, axis);
+        });
+        return median;
     });
 }
 
 void BoundsTree::rebuild_at_random(std::vector<Leaf>& leaves, Random& random) {
     for (std::size_t i = leaves.size(); i > 1; --i) std::swap(leaves[i - 1], leaves[random.next_u32() % i]);
-    rebuild_by(leaves, [&](Leaf* begin, Leaf* end) {
+    rebuild_by(leaves, [&](Leaf* begin, Leaf* end, Bounds(&)[2]) {
         return begin + 1 + random.next_u32() % static_cast<std::uint32_t>(end - begin - 1);
     });
 }

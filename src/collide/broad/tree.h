@@ -39,7 +39,7 @@ class BoundsTree {
     NodeId insert(const Bounds& bounds, std::uint32_t proxy);
     void remove(NodeId leaf);
     void clear();
-    /// Replaces the whole tree by a balanced tree of these leaves, and reorders `leaves`. Ids of leaves change:
+    /// Replaces the whole tree by a new tree of these leaves, and reorders `leaves`. Ids of leaves change:
     /// see `for_each_leaf`. For n leaves it costs about as much as n / 16 insertions and removals.
     void rebuild(std::vector<Leaf>& leaves);
     /// True while the surface of the nodes has grown by at most a quarter since rebuild(): leaves may then keep
@@ -81,6 +81,7 @@ class BoundsTree {
         std::uint32_t begin, end;
         NodeId parent;
         int side;
+        Bounds cell; ///< holds the centres of the leaves
     };
 
     Node& at(NodeId id) { return nodes[static_cast<std::size_t>(id)]; }
@@ -94,8 +95,9 @@ class BoundsTree {
     void merge_all(); ///< recomputes all inner nodes; requires each node to precede its children
     void rotate(NodeId id);
     void swap_with_grandchild(NodeId id, int side, int grandchild);
-    /// Builds the tree top down. split(first, last) may reorder the leaves in [first, last), and returns the
-    /// start of the second child's leaves.
+    /// Builds the tree top down. split(first, last, cells) may reorder the leaves in [first, last), and returns
+    /// the start of the second child's leaves. cells[0] and cells[1] are both the cell of these leaves; split()
+    /// may shrink them to cells of the first and of the second child's leaves.
     template <class Split> void rebuild_by(std::vector<Leaf>& leaves, Split&& split);
 
     std::vector<Node> nodes;
