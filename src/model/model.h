@@ -10,11 +10,17 @@
 
 namespace lockstone::sim {
 
+/// Two rows of a table that change places.
+struct RowSwap {
+    std::uint32_t x, y;
+};
+
 /// Scratch memory for moving rows between the awake and the resting part of a table (sleep.h).
 struct RowMoves {
     std::vector<BodyId> joined;
     /// Rows of one table, rows that leave it, and rows of the table to which they go
     ContactList here, moving, there;
+    std::vector<RowSwap> swaps;
 };
 
 struct Model {

@@ -188,6 +188,30 @@ std::uint32_t put_to_rest(Model& w, std::uint32_t body_row) {
     return last;
 }
 
+void put_to_rest(Model& w, std::span<const BodyId> bodies) {
+    constexpr std::size_t many = 64;
+    const std::uint32_t before = w.header().bodies_awake;
+    if (bodies.size() < many || bodies.size() < before / 4) {
+        for (const BodyId body : bodies) put_to_rest(w, w.row_of(body));
+        return;
+    }
+    // Most of the awake bodies rest from now on. Moves their ids first, and then each of the other columns as a whole.
+    std::vector<RowSwap>& swaps = w.moves.swaps;
+    swaps.clear();
+    const std::span<BodyInfo> info = w.state.edit(w.m.body_info, 0, before);
+    const std::span<Slot> slots = w.state.edit(w.m.body_slot);
+    std::uint32_t awake = before;
+    for (const BodyId body : bodies) {
+        const std::uint32_t row = slots[body.index - 1].row;
+        if (row >= awake || row == --awake) continue;
+        std::swap(info[row], info[awake]);
+        slots[info[row].id.index - 1].row = row, slots[info[awake].id.index - 1].row = awake;
+        swaps.push_back({row, awake});
+    }
+    w.edit_header().bodies_awake = awake;
+    swap_rows(w.state, w.m.bodies, w.m.body_info.index, before, swaps);
+}
+
 std::uint32_t put_joint_to_rest(Model& w, std::uint32_t joint_row) {
     if (joint_row >= w.header().joints_awake) return joint_row;
     const std::uint32_t last = --w.edit_header().joints_awake;

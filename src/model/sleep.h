@@ -32,6 +32,8 @@ bool was_never_awake(const Model& w, std::uint32_t body_row);
 void wake_islands(Model& w, std::span<const BodyId> bodies);
 /// Moves a body's row to the resting rows, as the first step of its removal. Returns its new row.
 std::uint32_t put_to_rest(Model& w, std::uint32_t body_row);
+/// put_to_rest() for the rows of several bodies, in turn.
+void put_to_rest(Model& w, std::span<const BodyId> bodies);
 std::uint32_t put_joint_to_rest(Model& w, std::uint32_t joint_row);
 /// Wakes a new joint between two bodies that were just woken.
 void wake_joint(Model& w, std::uint32_t joint_row);

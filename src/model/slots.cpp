@@ -63,6 +63,16 @@ void swap_rows(State& state, TableId table, std::uint32_t x, std::uint32_t y) {
     }
 }
 
+void swap_rows(State& state, TableId table, std::uint32_t except, std::uint32_t end,
+               std::span<const RowSwap> swaps) {
+    for (const std::uint32_t column : state.layout().columns_of(table)) {
+        if (column == except) continue;
+        const std::size_t size = state.layout().placements()[column].row_size;
+        std::byte* const rows = state.edit_bytes(column, 0, end).data();
+        for (const RowSwap& swap : swaps) swap_bytes(rows + swap.x * size, rows + swap.y * size, size);
+    }
+}
+
 // ---- joints ---
 
 namespace {

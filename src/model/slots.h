@@ -15,6 +15,10 @@ void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint
 void remove_row(State& state, TableId table, std::uint32_t row);
 /// Swaps two rows of a table, in all its columns.
 void swap_rows(State& state, TableId table, std::uint32_t x, std::uint32_t y);
+/// Swaps rows below `end`, one swap after the other, in all columns of a table but one. Marks all rows below `end` as
+/// changed.
+void swap_rows(State& state, TableId table, std::uint32_t except, std::uint32_t end,
+               std::span<const RowSwap> swaps);
 
 /// Adds the row of a joint to the lists of its bodies.
 void enlist_joint(Model& w, std::uint32_t row);

@@ -217,7 +217,7 @@ void find_resting(Model& w, const Links& links, const Motion& motion, IslandScra
 void put_to_sleep(Model& w, PlacedShapes& placed, std::span<const BodyId> resting,
                   std::vector<Event>& events) {
     if (resting.empty()) return;
-    for (BodyId body : resting) put_to_rest(w, w.row_of(body));
+    put_to_rest(w, resting);
     for (std::uint32_t row = w.header().joints_awake; row-- > 0;) {
         const JointDef& def = w.state.rows(w.m.joint)[row].def;
         const bool held =

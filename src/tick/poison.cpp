@@ -76,8 +76,8 @@ void poison_sweep(std::byte with, SweepScratch& sweep) {
 void poison_islands(std::byte with, IslandScratch& islands, RowMoves& moves) {
     auto& [parent, still_ticks, first, last, touched, resting] = islands;
     poison(with, parent, still_ticks, first, last, touched, resting);
-    auto& [joined, here, moving, there] = moves;
-    poison(with, joined);
+    auto& [joined, here, moving, there, swaps] = moves;
+    poison(with, joined, swaps);
     for (ContactList* list : {&here, &moving, &there}) poison(with, list->keys, list->memories);
 }
 

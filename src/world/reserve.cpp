@@ -44,6 +44,7 @@ Status reserve(Data& w, const WorldRows& rows) {
     w.placed.reserve(std::max(rows.shapes, w.state.capacity(m.shape_slots)));
     w.scratch.reserve(rows), w.output.reserve(rows);
     for (ContactList* list : {&w.moves.here, &w.moves.there, &w.moves.moving}) list->reserve(rows.contacts);
+    w.moves.swaps.reserve(rows.bodies);
     return {};
 }
 

@@ -174,6 +174,33 @@ TEST_CASE("a tick and its commands and saves and hashes and restores do not allo
     }
 }
 
+TEST_CASE("a level that wakes and rests again does not allocate when it did so twice before") {
+    WorldDef def = small_def();
+    def.bodies_max = def.shapes_max = 400;
+    World w = made(World::create(def));
+    std::vector<BodyId> level;
+    for (int i = 0; i < 300; ++i) {
+        level.push_back(made(w.create_body({.kind = BodyKind::static_, .pose = at(i, 0, 0)})));
+        made(w.create_shape(level.back(), {.geometry = box(0.5_r, 0.5_r, 0.5_r)}));
+        if (i % 15 == 0) add_ball(w, at(i, 1, 0));
+    }
+    for (int t = 0; t < 30; ++t) w.tick();
+    Image image;
+    w.save(image);
+    const auto run = [&] {
+        w.restore(image);
+        const test::AllocationCounter counter;
+        for (int round = 0; round < 3; ++round) {
+            for (int i = 0; i < 300; ++i)
+                done(w.set_pose(level[static_cast<std::size_t>(i)], at(i, 0.01 * (round + 1), 0)));
+            for (int t = 0; t < 3; ++t) w.tick();
+        }
+        return counter.count();
+    };
+    run(), run();
+    CHECK(run() == 0);
+}
+
 TEST_CASE("worlds of every scene do not allocate in ticks that they ran twice before") {
     for (const SceneInfo& info : scenes()) {
         INFO(std::string(info.name));

@@ -629,6 +629,8 @@ FAULTS = [
       "return own.fresh && !(its.fresh && other < proxy) && !(IS && its.never_moves);", "what never moves is found"),
     F("a body that begins to move keeps the pairs of one that does not", BROAD, "if (entry.present) make_fresh(proxy);",
       "if (entry.present && !IS) make_fresh(proxy);", "what never moves is found"),
+    F("bodies that come to rest together leave a column where it was", "src/model/slots.cpp", "if (column == except) continue;",
+      "if (column == except + (IS ? 1u : 0u)) continue;", "bodies rest together"),
     F("pairs that were given up are taken for known", BROAD, "if (entries[proxy].present) note_move(proxy);",
       "if (!IS && entries[proxy].present) note_move(proxy);", "crowds agree"),
     F("a body has moved within its leaf wherever it is", "src/collide/broad/broad_phase.h", "!collide::contains(entry.leaf_bounds, exact)) return false;",

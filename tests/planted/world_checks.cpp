@@ -230,6 +230,24 @@ std::string crowds_agree() {
     return world.faults().contacts_dropped > 0 ? "" : "nothing was dropped";
 }
 
+/// Many bodies come to rest in one tick: static ones among dynamic ones that fall, each at its own place.
+std::string rest_together() {
+    WorldDef def = scene::small_def();
+    def.bodies_max = def.shapes_max = 400;
+    World world = scene::made(World::create(def));
+    std::vector<BodyId> still;
+    for (int i = 0; i < 150; ++i) {
+        scene::add_ball(world, scene::at(i, 50, 0));
+        const BodyKind kind = i % 5 == 0 ? BodyKind::kinematic : BodyKind::static_;
+        still.push_back(scene::made(world.create_body({.kind = kind, .pose = scene::at(i, 0, 0)})));
+    }
+    world.tick();
+    for (int i = 0; i < 150; ++i)
+        if (world.pose(still[static_cast<std::size_t>(i)]).position != scene::at(i, 0, 0).position)
+            return "body " + std::to_string(i) + " has left its place";
+    return {};
+}
+
 /// A table that grows moves the pages of the next table, and the cached data about these pages.
 std::string pages_move() {
     constexpr std::uint32_t most = 4096;
@@ -564,6 +582,7 @@ Checks world_checks() {
                              {"dead ids stay dead", dead_ids},
                              {"crowds agree", crowds_agree},
                              {"what is alike stays apart", alike_shapes},
+                             {"bodies rest together", rest_together},
                              {"joints that change are planned anew", joints_planned},
                              {"joints keep bodies apart", joints_part},
                              {"filters are followed", filters_part},
