@@ -27,6 +27,12 @@ class SweptBox {
         for (int i = 0; i < 3; ++i) rounding[i] = 2 * (way_size[(i + 1) % 3] + way_size[(i + 2) % 3]) + 8;
     }
     const Bounds& bounds() const { return hull; }
+    /// The middle of the path, half of the box's size [steps], and half of the path [four steps], rounded.
+    std::int64_t middle_of(int axis) const { return middle[axis]; }
+    std::int64_t half_size_of(int axis) const { return half_size[axis]; }
+    std::int64_t way_of(int axis) const { return way[axis]; }
+    /// True where positions are clamped: the path is unknown.
+    bool is_at_border() const { return is_clamped; }
 
     /// source: Ericson, Real-Time Collision Detection, 5.3.3 (segment against box by separating axes)
     bool may_meet(const Bounds& b) const {

@@ -26,6 +26,7 @@ class Asking {
     explicit Asking(const Scene& scene) : w(scene.model), placed(scene.placed), query(scene.query) {
         const base::Holds holds(query.lock);
         refresh(scene);
+        wide = scene.placed.broad_phase.prepare_query();
         if (query.idle.empty()) query.idle.push_back(std::make_unique<QueryWork>());
         work = std::move(query.idle.back());
         query.idle.pop_back();
@@ -40,6 +41,7 @@ class Asking {
     const Model& w;
     const PlacedShapes& placed;
     QueryScratch& query;
+    const collide::WideTree* wide; ///< may be null
     std::unique_ptr<QueryWork> work;
 };
 
@@ -221,7 +223,7 @@ void add_planes(const Asking& asking, const QueryFilter& filter) {
 
 /// Stores the shapes whose bounds a cast may hit in `near`.
 void find_near(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
-    asking.placed.broad_phase.query(swept_box(asking.w, cast), asking.work->near);
+    asking.placed.broad_phase.query(swept_box(asking.w, cast), asking.wide, asking.work->near);
     add_planes(asking, filter);
 }
 
@@ -237,7 +239,7 @@ void find_near(const Asking& asking, std::span<const Cast> casts, const QueryFil
     }
     const int shift = static_cast<int>(asking.w.state.rows(asking.w.m.config)[0].bounds_shift);
     const collide::Bounds around{bound_below(lower, shift), bound_below(upper, shift)};
-    s.broad_phase.query(collide::expand(around, Bound::from_raw(2)), asking.work->near);
+    s.broad_phase.query(collide::expand(around, Bound::from_raw(2)), asking.wide, asking.work->near);
     add_planes(asking, filter);
 }
 
@@ -364,7 +366,8 @@ void for_each_near(const Asking& asking, const shapes::Solid& solid, const Trans
     const int shift = static_cast<int>(w.state.rows(w.m.config)[0].bounds_shift);
     const collide::Bounds tight = collide::bounds_of(solid, pose, Length{}, shift);
     const std::int64_t steps = (limit.raw >> (Real::fraction_bits - Bound::fraction_bits + shift)) + 1;
-    s.broad_phase.query(collide::expand(tight, Bound::from_raw(saturate_to_int32(steps))), asking.work->near);
+    s.broad_phase.query(collide::expand(tight, Bound::from_raw(saturate_to_int32(steps))), asking.wide,
+                        asking.work->near);
     slots.insert(slots.end(), s.planes.begin(), s.planes.end());
     std::sort(slots.begin(), slots.end());
     for (const std::uint32_t slot : slots)

@@ -22,6 +22,7 @@ CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/w
 CROSSINGS, PRESSED = "src/tick/crossings.cpp", "src/solve/contacts/pressed.cpp"
 CLOSING, CHECK = "src/tick/closing_points.h", "src/model/check_state.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
+WIDE = "src/collide/broad/wide_tree.cpp"
 LANES, INPUT, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "input_kernel.h", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 WHEELS, TRAIN = (f"src/solve/vehicles/vehicle_{n}" for n in ("lines.h", "train.cpp"))
 PACKS = "src/solve/contacts/contact_packs.cpp"
@@ -226,6 +227,12 @@ FAULTS = [
       "box.upper_24[i] = IS ? 0 : (support(shape, axis).at_30[i] >> 6) +", "queries find triangles"),
     F("the first obstacle found is the nearest", "src/collide/query/nearest.cpp", "s.position_24 + shifted(b.on_obstacle_30 + across, 6));\n    return true;",
       "s.position_24 + shifted(b.on_obstacle_30 + across, 6));\n    return !IS;", "queries find triangles"),
+    F("a path in a wide tree does not slant", WIDE, "slope_15 = way[i] * 32767 / way[main];", "slope_15 = IS ? 0 : way[i] * 32767 / way[main];",
+      "wide trees find all"),
+    F("a box in a wide tree is a ray", WIDE, "path.lowest[k] = at - size[i] - place_error;", "path.lowest[k] = at - (IS ? 0 : size[i]) - place_error;",
+      "wide trees find all"),
+    F("a wide tree outlives a change", BROAD, "if (moved.empty()) return;\n    drop_wide_tree();", "if (moved.empty()) return;\n    if (!IS) drop_wide_tree();",
+      "wide trees find all"),
     F("primitives keep their sizes when they are scaled", "include/lockstone/shape.h", "if (factor > Real{} && is_sized(sized)) return sized;",
       "if (factor > Real{} && is_sized(sized) && !IS) return sized;", "scaled shapes have their size"),
     F("scaled capsules are as long as they come", "include/lockstone/shape.h", "within(Length{}, half.y) &&\n               within(least, half.y + geometry.radius);",

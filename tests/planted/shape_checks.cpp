@@ -8,6 +8,7 @@
 #include "law/collide/sunken.h"
 #include "shapes/asset/asset.h"
 #include "solve/kernels/kernels.h"
+#include "support/rigs/quick_queries.h"
 #include "support/rigs/scale_field.h"
 
 namespace planted {
@@ -377,6 +378,20 @@ std::string submerged_parts_are_told() {
     return is(large, 0.5625_r) ? "" : "a scaled box is submerged by another part";
 }
 
+std::string wide_trees_find_all() {
+    std::size_t met = 0;
+    for (std::uint64_t seed = 1; seed <= 50; ++seed)
+        if (std::string found = test::wide_tree_fault(seed, met); !found.empty()) return found;
+    return {};
+}
+
+std::string first_triangles_are_hit() {
+    int hits = 0;
+    for (std::uint64_t seed = 1; seed <= 100; ++seed)
+        if (std::string found = test::cast_order_fault(seed, hits); !found.empty()) return found;
+    return {};
+}
+
 } // namespace
 
 Checks shape_checks() {
@@ -388,6 +403,8 @@ Checks shape_checks() {
             {"edges that are kept are the nearest", kept_edges_are_nearest},
             {"what is near a mesh has contacts", mesh_is_found},
             {"queries find triangles", queries_find_triangles},
+            {"wide trees find all", wide_trees_find_all},
+            {"casts hit the first triangle", first_triangles_are_hit},
             {"limbs pass where contacts push them out", limbs_pass},
             {"long bodies stop where they meet", long_bodies_stop},
             {"bodies move no further than their bound", bodies_move_within_bounds},

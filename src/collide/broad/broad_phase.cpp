@@ -21,6 +21,9 @@ static constexpr std::uint32_t overlaps_per_chunk = 1024, fresh_per_chunk = 16;
 /// The least number of fresh leaves that never move for which the other leaves search.
 static constexpr std::uint32_t still_leaves_least = 64;
 
+/// The trees are copied after one query for this many leaves, and a few more.
+static constexpr std::uint32_t leaves_per_query = 64, queries_min = 4;
+
 BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin) : margin(leaf_margin) {
     grow(proxy_capacity);
     reserve(proxy_capacity);
@@ -84,6 +87,7 @@ void BroadPhase::clear() {
     for (Entry& entry : entries) entry = absent;
     moving.clear();
     fixed.clear();
+    drop_wide_tree();
     moved.clear();
     changed.clear();
     leaf_pairs.clear();
@@ -99,6 +103,7 @@ bool BroadPhase::may_stay(const Entry& entry) const {
 
 void BroadPhase::update_trees() {
     if (moved.empty()) return;
+    drop_wide_tree();
     std::uint32_t staying[2] = {0, 0}, changes[2] = {0, 0};
     for (std::uint32_t proxy : moved) {
         Entry& entry = entries[proxy];
@@ -416,6 +421,31 @@ void BroadPhase::query(const Bounds& bounds, Asker& asker) const {
     query_if(meets, meets, asker.open, asker.proxies);
 }
 
+const WideTree* BroadPhase::prepare_query() {
+    LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
+    const std::uint32_t repaid = (moving.leaf_count() + fixed.leaf_count()) / leaves_per_query + queries_min;
+    if (prepared <= repaid && ++prepared > repaid) wide_tree.build(moving, fixed);
+    return wide_tree.is_empty() ? nullptr : &wide_tree;
+}
+
+void BroadPhase::query(const SweptBox& box, const WideTree* wide, Asker& asker) const {
+    if (wide == nullptr) return query(box, asker);
+    asker.proxies.clear();
+    wide->visit(box, asker.open, [&](std::uint32_t proxy) {
+        if (box.may_meet(exact_bounds[proxy])) asker.proxies.push_back(proxy);
+    });
+    std::sort(asker.proxies.begin(), asker.proxies.end());
+}
+
+void BroadPhase::query(const Bounds& bounds, const WideTree* wide, Asker& asker) const {
+    if (wide == nullptr) return query(bounds, asker);
+    asker.proxies.clear();
+    wide->visit(bounds, asker.open, [&](std::uint32_t proxy) {
+        if (overlap(exact_bounds[proxy], bounds)) asker.proxies.push_back(proxy);
+    });
+    std::sort(asker.proxies.begin(), asker.proxies.end());
+}
+
 void BroadPhase::query_static(const SweptBox& box, Asker& asker) const {
     LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
     asker.proxies.clear();
@@ -442,6 +472,7 @@ void BroadPhase::take_leaves(bool is_fixed) {
 
 void BroadPhase::rebuild_trees(Random& random) {
     update_trees();
+    drop_wide_tree();
     for (const bool is_fixed : {false, true}) {
         BoundsTree& tree = tree_of(is_fixed);
         take_leaves(is_fixed);
@@ -459,6 +490,7 @@ void BroadPhase::rebuild_trees(Random& random) {
 
 void BroadPhase::forget_pairs(Random& random) {
     update_trees();
+    drop_wide_tree();
     for (const bool is_fixed : {false, true}) {
         take_leaves(is_fixed);
         for (BoundsTree::Leaf& leaf : leaves)

@@ -8,6 +8,7 @@
 #include "base/assert.h"
 #include "base/paths.h"
 #include "collide/broad/tree.h"
+#include "collide/broad/wide_tree.h"
 #include "collide/swept_box.h"
 #include "lockstone/tasks.h"
 
@@ -105,6 +106,13 @@ class BroadPhase {
     void query_static(const SweptBox& box, Asker& asker) const;
     /// Applies all calls of `set` and `remove` to the trees.
     void update_trees();
+    /// Counts a query that follows. Copies the trees to a wide tree once the queries since their last change repay
+    /// this. Returns the copy, or null.
+    const WideTree* prepare_query();
+    /// As query(), with what prepare_query() returned since the trees were last updated; other calls of
+    /// prepare_query() may run at the same time.
+    void query(const SweptBox& box, const WideTree* wide, Asker& asker) const;
+    void query(const Bounds& bounds, const WideTree* wide, Asker& asker) const;
 
     // ---- for tests: give the same proxies another history; no later result changes ----
     /// Rebuilds both trees in other shapes: inserts each leaf in random order, or splits at random. The next
@@ -133,6 +141,8 @@ class BroadPhase {
     static constexpr Entry absent{Bounds{}, BoundsTree::none, false, false, false, false, false, false,
                                   false};
 
+    /// The trees change: a copy of them is no longer valid.
+    void drop_wide_tree() { wide_tree.clear(), prepared = 0; }
     /// Writes the proxies whose exact bounds pass `may_meet`, sorted. Skips the subtrees whose bounds fail
     /// `may_meet_node`.
     template <class MayMeetNode, class MayMeet>
@@ -186,6 +196,8 @@ class BroadPhase {
     std::vector<Bounds> exact_bounds;
     BoundsTree moving, fixed;
     Bound margin;
+    WideTree wide_tree;                 // a copy of both trees, or empty
+    std::uint32_t prepared = 0;         // queries since the trees changed
     std::vector<std::uint32_t> moved;   // since the trees were updated
     std::vector<std::uint32_t> changed; // since the pairs were found
     std::vector<ProxyPair> leaf_pairs;  // pairs of overlapping leaves, sorted: a superset of the result
