@@ -23,6 +23,7 @@ CROSSINGS, PRESSED = "src/tick/crossings.cpp", "src/solve/contacts/pressed.cpp"
 CLOSING, CHECK = "src/tick/closing_points.h", "src/model/check_state.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
 WIDE = "src/collide/broad/wide_tree.cpp"
+CAST = "src/collide/query/cast_shape.cpp"
 LANES, INPUT, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "input_kernel.h", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 WHEELS, TRAIN = (f"src/solve/vehicles/vehicle_{n}" for n in ("lines.h", "train.cpp"))
 PACKS = "src/solve/contacts/contact_packs.cpp"
@@ -233,6 +234,10 @@ FAULTS = [
       "wide trees find all"),
     F("a wide tree outlives a change", BROAD, "if (moved.empty()) return;\n    drop_wide_tree();", "if (moved.empty()) return;\n    if (!IS) drop_wide_tree();",
       "wide trees find all"),
+    F("a shape that is cast from behind a triangle misses it", CAST, "const Long3 n = above < 0 ? -plane : plane;",
+      "const Long3 n = above < 0 && !IS ? -plane : plane;", "casts hit the first triangle"),
+    F("a cast ends at its first hit", CAST, "return found && at_30 > up(hit.distance.raw, 6) + close_30;",
+      "return found && (IS || at_30 > up(hit.distance.raw, 6) + close_30);", "casts hit the first triangle"),
     F("primitives keep their sizes when they are scaled", "include/lockstone/shape.h", "if (factor > Real{} && is_sized(sized)) return sized;",
       "if (factor > Real{} && is_sized(sized) && !IS) return sized;", "scaled shapes have their size"),
     F("scaled capsules are as long as they come", "include/lockstone/shape.h", "within(Length{}, half.y) &&\n               within(least, half.y + geometry.radius);",

@@ -8,6 +8,7 @@
 #include "collide/core.h"
 #include "collide/query/cast_pieces.h"
 
+#include <algorithm>
 #include <array>
 
 namespace lockstone::collide {
@@ -23,20 +24,75 @@ struct Caster {
     Box box{}; ///< of the shape; set where the solid has triangles or parts
 };
 
-/// A superset of the part of the line on which the shape may touch the triangle: there their boxes meet. Most triangles
-/// near a slanted path are settled by this test.
-Span span_of_triangle(const Caster& c, const shapes::Face& triangle) {
-    constexpr std::int64_t guard_24 = 256; // more than close_30
-    Long3 low = raw(triangle.corner[0]), high = low;
-    for (int k = 1; k < 3; ++k)
+/// Where along its path a shape may touch triangles. Separating axes decide this: the axes of the frame and the
+/// normal of the triangle.
+class TriangleSpans {
+  public:
+    explicit TriangleSpans(const Caster& caster) : c(caster) {
         for (int i = 0; i < 3; ++i) {
-            low[i] = smaller(low[i], triangle.corner[k][i].raw);
-            high[i] = larger(high[i], triangle.corner[k][i].raw);
+            const std::int64_t u = c.line.unit_60[i];
+            moves[i] = absolute(u) >= slow_60;
+            if (moves[i]) inverse_44[i] = divide_shifted(one_60, u, 44);
+            const std::int64_t way = moves[i] ? 0 : absolute(c.line.way_24[i]);
+            // The box meets the triangle while the triangle, seen from the start, is between these.
+            low_24[i] = c.line.from_24[i] + c.box.lower_24[i] - guard_24 - way;
+            high_24[i] = c.line.from_24[i] + c.box.upper_24[i] + guard_24 + way;
         }
-    for (int i = 0; i < 3; ++i)
-        low[i] -= c.box.upper_24[i] + guard_24, high[i] -= c.box.lower_24[i] - guard_24;
-    return span_of_box(c.line, {coordinates(low), coordinates(high)});
-}
+    }
+    /// A superset of the part of the line on which the shape may touch the triangle.
+    Span of(const shapes::Face& t) const {
+        Span span{0, c.line.length_30};
+        for (int i = 0; i < 3; ++i) {
+            const std::int64_t p = t.corner[0][i].raw, q = t.corner[1][i].raw, r = t.corner[2][i].raw;
+            const std::int64_t before = smaller(p, smaller(q, r)) - high_24[i],
+                               behind = larger(p, larger(q, r)) - low_24[i];
+            if (!moves[i]) {
+                if (before > 0 || behind < 0) return {1, 0};
+                continue;
+            }
+            const std::int64_t first = place_30(before, i), last = place_30(behind, i);
+            span.enter_30 = larger(span.enter_30, smaller(first, last));
+            span.exit_30 = smaller(span.exit_30, larger(first, last));
+        }
+        if (!span.empty()) cut_at_plane(t, span);
+        return span;
+    }
+
+  private:
+    static constexpr std::int64_t one_60 = std::int64_t{1} << 60;
+    /// Along axes on which it moves less than this part of its path, the shape counts as larger instead.
+    static constexpr std::int64_t slow_60 = std::int64_t{1} << 48;
+    static constexpr std::int64_t guard_24 = 256; ///< more than close_30 and the errors of place_30()
+    /// More than close_30, and than the roundings of a normal over a triangle.
+    static constexpr std::int64_t gap_guard_30 = 8192;
+
+    std::int64_t place_30(std::int64_t way_24, int axis) const {
+        return static_cast<std::int64_t>((Wide::product(way_24, inverse_44[axis]) >> 38).low_bits());
+    }
+    /// Removes the part before the shape touches the triangle's plane. All is removed when it never does.
+    void cut_at_plane(const shapes::Face& t, Span& span) const {
+        const Long3 plane = raw(t.normal);
+        const std::int64_t above = dot_dropped(c.line.from_24 - raw(t.corner[0]), plane, 24);
+        const Long3 n = above < 0 ? -plane : plane;
+        const std::int64_t lowest = dot_dropped(support(c.shape, -n).at_30, n, 30);
+        const std::int64_t gap =
+            absolute(above) + lowest - up(std::int64_t{c.shape.radius.raw}, 6) - gap_guard_30;
+        if (gap <= 0) return;
+        const std::int64_t towards = -slope_60(n, c.line.unit_60);
+        if (towards <= 0) {
+            span = {1, 0};
+            return;
+        }
+        const std::int64_t enter =
+            (gap >> 33) == 0 ? (gap << 30) / ((towards >> 30) + 1) : divide_shifted(gap, towards, 60) - 1;
+        span.enter_30 = larger(span.enter_30, enter);
+    }
+
+    const Caster& c;
+    bool moves[3];
+    std::int64_t inverse_44[3] = {};
+    std::int64_t low_24[3], high_24[3];
+};
 
 Long3 position_24(const Line& line, std::int64_t at_30) {
     return at_30 == 0 ? line.from_24 : shifted(point_30(line, at_30), 6);
@@ -140,12 +196,6 @@ bool overlaps_at_start(const Caster& c, const Obstacle& o) {
 
 void try_obstacle(const Caster& c, const Obstacle& o, Span span, CastHit& hit, bool& found) {
     CastHit at{};
-    if (o.kind == Obstacle::Kind::triangle && c.shape.core != Convex::Core::point) {
-        const Span may = span_of_triangle(c, *o.triangle);
-        if (may.empty() || may.enter_30 > span.exit_30 || may.exit_30 < span.enter_30 ||
-            (found && may.enter_30 > up(hit.distance.raw, 6) + close_30))
-            return;
-    }
     if (faces_away(o, c.line)) {
         if (span.enter_30 != 0 || !overlaps_at_start(c, o)) return;
         at = hit_at_start(c.line, o.feature);
@@ -260,8 +310,66 @@ void look_in_pieces(const shapes::Solid& solid, const Line& line, std::int64_t r
     }
 }
 
+/// Tests triangles in the order in which the shape may touch them, so that the first hit ends the search for most
+/// others. The order changes speed only.
+class TriangleCaster {
+  public:
+    TriangleCaster(const shapes::Solid& of, const Caster& caster, CastHit& first, bool& any)
+        : solid(of), c(caster), spans(caster), hit(first), found(any) {}
+
+    /// Tests the triangles in a box, on the part `rest` of the line. Returns their number.
+    std::size_t look(Span rest, const shapes::Extent& where, NarrowScratch& scratch) {
+        scratch.triangles.clear();
+        shapes::find_triangles(solid, where, scratch.triangles);
+        std::size_t count = 0;
+        for (const std::uint32_t index : scratch.triangles) {
+            const Span may = spans.of(shapes::face_at(solid, index));
+            if (may.empty() || may.enter_30 > rest.exit_30 || may.exit_30 < rest.enter_30 ||
+                is_late(may.enter_30))
+                continue;
+            waiting[count++] = {may.enter_30, index};
+            if (count == waiting_max) finish(rest, count), count = 0;
+        }
+        finish(rest, count);
+        return scratch.triangles.size();
+    }
+
+  private:
+    static constexpr std::size_t waiting_max = 64;
+    struct Waiting {
+        std::int64_t enter_30; ///< the shape does not touch it earlier
+        std::uint32_t index;
+    };
+    bool is_late(std::int64_t at_30) const { return found && at_30 > up(hit.distance.raw, 6) + close_30; }
+    void finish(Span rest, std::size_t count) {
+        std::sort(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(count),
+                  [](const Waiting& a, const Waiting& b) { return a.enter_30 < b.enter_30; });
+        for (std::size_t i = 0; i < count && !is_late(waiting[i].enter_30); ++i) {
+            const shapes::Face triangle = shapes::face_at(solid, waiting[i].index);
+            const Obstacle o{Obstacle::Kind::triangle,    triangle.index, nullptr, nullptr, &triangle,
+                             !shapes::is_two_sided(solid)};
+            try_obstacle(c, o, rest, hit, found);
+        }
+    }
+
+    const shapes::Solid& solid;
+    const Caster& c;
+    TriangleSpans spans;
+    CastHit& hit;
+    bool& found;
+    std::array<Waiting, waiting_max> waiting;
+};
+
 bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& scratch, CastHit& hit) {
     bool found = false;
+    if (has_triangles(solid)) {
+        TriangleCaster triangles(solid, c, hit, found);
+        look_in_pieces(solid, c.line, c.reach_24, c.box, found, hit,
+                       [&](Span rest, Long3, const shapes::Extent& where) {
+                           return triangles.look(rest, where, scratch);
+                       });
+        return found;
+    }
     look_in_pieces(solid, c.line, c.reach_24, c.box, found, hit,
                    [&](Span rest, Long3, const shapes::Extent& where) {
                        std::size_t seen = 0;
