@@ -20,9 +20,12 @@ inline void command_after_tick(World& w, std::uint64_t tick, BodyId touching) {
         w.is_alive(touching) ? touching : w.body_at(static_cast<std::uint32_t>(tick % w.body_count()));
     const bool is_dynamic = w.kind(b) == BodyKind::dynamic;
     switch (tick % 8) {
-    case 0:
-        done(w.destroy(made(w.create_body({.pose = at(0, 9, 0)}))));
+    case 0: {
+        const BodyId fresh = made(w.create_body({.pose = at(0, 9, 0)}));
+        made(w.create_shape(fresh, {.geometry = sphere(0.25_r)}));
+        done(w.destroy(fresh));
         break;
+    }
     case 1:
         if (is_dynamic) done(w.set_velocity(b, vec(0.1, 0.2, 0), {}));
         break;

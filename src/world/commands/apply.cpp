@@ -219,9 +219,11 @@ Result<World::Applied> Applier::operator()(const WriteGame& c) {
 
 namespace {
 
-/// True for commands that change no row, pose or material, except if they wake a body.
+/// True for commands that change no row, pose or material of a body with a contact, except if they wake a body.
 struct LeavesContactPoints {
     template <class T> bool operator()(const T&) const { return false; }
+    bool operator()(const CreateBody&) const { return true; }  // only resting bodies move to other rows
+    bool operator()(const CreateShape&) const { return true; } // a body without shapes has no contact
     bool operator()(const SetVelocity&) const { return true; }
     bool operator()(const AddForce&) const { return true; }
     bool operator()(const AddForceAt&) const { return true; }

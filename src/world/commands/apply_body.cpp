@@ -36,7 +36,7 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     if (d.awake == 0 && d.kind == BodyKind::dynamic && w.config().sleeping != 0)
         start_asleep(w, row);
     else
-        wake(id);
+        sim::wake(w, id); // it has no contact points
     update_mass(w, placed, w.row_of(id));
     return Applied{.body = id};
 }
@@ -73,6 +73,7 @@ Result<World::Applied> Applier::operator()(const CreateShape& c) {
     const std::uint32_t row = w.state.count(w.m.shapes);
     if (row == w.state.rows_max(w.m.shapes))
         return Error{join("create_shape: the world is full: shapes_max is ", row)};
+    if (w.state.rows(w.m.body_info)[body_row].first_shape != 0) keep_contact_points();
     if (!was_never_awake(w, body_row)) body_row = wake(c.body);
     w.state.make_room({w.m.shape_slots, w.m.shapes}, 1);
     placed.fit(w.state.capacity(w.m.shape_slots));
