@@ -24,6 +24,7 @@ CLOSING, CHECK = "src/tick/closing_points.h", "src/model/check_state.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
 WIDE = "src/collide/broad/wide_tree.cpp"
 CAST = "src/collide/query/cast_shape.cpp"
+RAYS = "src/collide/query/cast_triangles.cpp"
 LANES, INPUT, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "input_kernel.h", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 WHEELS, TRAIN = (f"src/solve/vehicles/vehicle_{n}" for n in ("lines.h", "train.cpp"))
 PACKS = "src/solve/contacts/contact_packs.cpp"
@@ -238,6 +239,10 @@ FAULTS = [
       "const Long3 n = above < 0 && !IS ? -plane : plane;", "casts hit the first triangle"),
     F("a cast ends at its first hit", CAST, "return found && at_30 > up(hit.distance.raw, 6) + close_30;",
       "return found && (IS || at_30 > up(hit.distance.raw, 6) + close_30);", "casts hit the first triangle"),
+    F("a ray near the bounds of a triangle passes beside it", RAYS, "smaller(x[0], smaller(x[1], x[2])) > error_24 ||",
+      "smaller(x[0], smaller(x[1], x[2])) > (IS ? -(std::int64_t{1} << 18) : error_24) ||", "rays hit each triangle"),
+    F("a ray within the edges of a triangle passes beside it", RAYS, "larger(a, larger(b, c)) > error;", "(IS || larger(a, larger(b, c)) > error);",
+      "rays hit each triangle"),
     F("primitives keep their sizes when they are scaled", "include/lockstone/shape.h", "if (factor > Real{} && is_sized(sized)) return sized;",
       "if (factor > Real{} && is_sized(sized) && !IS) return sized;", "scaled shapes have their size"),
     F("scaled capsules are as long as they come", "include/lockstone/shape.h", "within(Length{}, half.y) &&\n               within(least, half.y + geometry.radius);",

@@ -392,6 +392,12 @@ std::string first_triangles_are_hit() {
     return {};
 }
 
+std::string rays_hit_each_triangle() {
+    for (std::uint64_t seed = 1; seed <= 50; ++seed)
+        if (std::string found = test::ray_order_fault(seed); !found.empty()) return found;
+    return {};
+}
+
 } // namespace
 
 Checks shape_checks() {
@@ -405,6 +411,7 @@ Checks shape_checks() {
             {"queries find triangles", queries_find_triangles},
             {"wide trees find all", wide_trees_find_all},
             {"casts hit the first triangle", first_triangles_are_hit},
+            {"rays hit each triangle", rays_hit_each_triangle},
             {"limbs pass where contacts push them out", limbs_pass},
             {"long bodies stop where they meet", long_bodies_stop},
             {"bodies move no further than their bound", bodies_move_within_bounds},

@@ -38,6 +38,52 @@ struct Anchored {
     std::int64_t length_30;
 };
 
+/// A line seen along its way: a projection along the line onto the plane of the two axes on which it moves less.
+class AlongLine {
+  public:
+    explicit AlongLine(Long3 way_24) {
+        for (int i = 1; i < 3; ++i)
+            if (absolute(way_24[i]) > absolute(way_24[main])) main = i;
+        for (int k = 0; k < 2; ++k) {
+            side[k] = (main + 1 + k) % 3;
+            slope_30[k] = divide_shifted(way_24[side[k]], way_24[main], 30);
+        }
+    }
+    /// True when the line certainly passes beside the triangle, whose corners count from a point of the line. False
+    /// when this is unknown: near an edge, and beyond 32 m.
+    bool misses(const Long3 (&corner_24)[3]) const {
+        const Long3 &p = corner_24[0], &q = corner_24[1], &r = corner_24[2];
+        if (((absolute(p[0]) | absolute(p[1]) | absolute(p[2]) | absolute(q[0]) | absolute(q[1]) |
+              absolute(q[2]) | absolute(r[0]) | absolute(r[1]) | absolute(r[2])) >>
+             29) != 0)
+            return false;
+        const std::int64_t x[3] = {along(p, 0), along(q, 0), along(r, 0)};
+        if (is_beside(x)) return true;
+        const std::int64_t y[3] = {along(p, 1), along(q, 1), along(r, 1)};
+        if (is_beside(y)) return true;
+        // The line passes on different sides of two edges.
+        const std::int64_t most = absolute(x[0]) | absolute(x[1]) | absolute(x[2]) | absolute(y[0]) |
+                                  absolute(y[1]) | absolute(y[2]);
+        const std::int64_t error = 8 * error_24 * (most + 1);
+        const std::int64_t a = x[0] * y[1] - x[1] * y[0], b = x[1] * y[2] - x[2] * y[1],
+                           c = x[2] * y[0] - x[0] * y[2];
+        return smaller(a, smaller(b, c)) < -error && larger(a, larger(b, c)) > error;
+    }
+
+  private:
+    static constexpr std::int64_t error_24 = 2; ///< of a projected coordinate
+
+    std::int64_t along(const Long3& corner_24, int k) const {
+        return corner_24[side[k]] - (slope_30[k] * corner_24[main] >> 30);
+    }
+    static bool is_beside(const std::int64_t (&x)[3]) {
+        return smaller(x[0], smaller(x[1], x[2])) > error_24 || larger(x[0], larger(x[1], x[2])) < -error_24;
+    }
+
+    int main = 0, side[2];
+    std::int64_t slope_30[2]; ///< at most 1
+};
+
 /// n / d with 60 fraction bits. Returns false when it is outside of +-2.
 bool quotient_60(Wide n, Wide d, std::int64_t& out) {
     const Wide positive = d.is_negative() ? Wide::from(0) - d : d;
@@ -55,10 +101,11 @@ bool quotient_60(Wide n, Wide d, std::int64_t& out) {
 }
 
 /// Intersects the line with a triangle. The front is the side to which the normal points.
-bool meets(const Anchored& line, const shapes::Face& triangle, bool two_sided, std::int64_t& at_30,
-           bool& from_front) {
+bool meets(const Anchored& line, const AlongLine& along, const shapes::Face& triangle, bool two_sided,
+           std::int64_t& at_30, bool& from_front) {
     Long3 corner[3];
     for (int i = 0; i < 3; ++i) corner[i] = raw(triangle.corner[i]) - line.origin_24;
+    if (along.misses(corner)) return false;
     Wide volume[3];
     bool any_positive = false, any_negative = false;
     for (int i = 0; i < 3; ++i) {
@@ -108,6 +155,7 @@ bool cast_ray_triangles(const shapes::Solid& solid, const Line& line, NarrowScra
     if (span.empty() || line.length_30 == 0) return false;
     const std::int64_t middle = span.enter_30 + (span.exit_30 - span.enter_30) / 2;
     const Anchored anchored{shifted(point_30(line, middle), 6), line.way_24, middle, line.length_30};
+    const AlongLine along(anchored.way_24);
     const bool two_sided = shapes::is_two_sided(solid);
     const std::int64_t first_piece = piece_length_30(solid, extent);
     std::int64_t piece = first_piece, best = 0;
@@ -120,7 +168,7 @@ bool cast_ray_triangles(const shapes::Solid& solid, const Line& line, NarrowScra
             const shapes::Face triangle = shapes::face_at(solid, index);
             std::int64_t at = 0;
             bool from_front = true;
-            if (!meets(anchored, triangle, two_sided, at, from_front)) continue;
+            if (!meets(anchored, along, triangle, two_sided, at, from_front)) continue;
             if (found && (at > best || (at == best && index >= hit.feature))) continue;
             found = true;
             best = at;

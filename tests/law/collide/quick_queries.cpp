@@ -52,3 +52,7 @@ TEST_CASE("a solid that is cast at a mesh gives the first hit of all triangles")
     for (std::uint64_t seed = 1; seed <= 200; ++seed) REQUIRE(cast_order_fault(seed, hits) == "");
     CHECK(hits > 500);
 }
+
+TEST_CASE("a ray hits a mesh at each triangle or before it") {
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) REQUIRE(ray_order_fault(seed) == "");
+}

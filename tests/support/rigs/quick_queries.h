@@ -104,10 +104,10 @@ inline std::string wide_tree_fault(std::uint64_t seed, std::size_t& found) {
 /// Triangles that are near each other, as one mesh and one by one.
 struct Shards {
     AssetLibrary library;
+    std::vector<Vec3> corners;         ///< three of each triangle
     std::vector<shapes::Solid> solids; ///< the whole, then each triangle
 
     explicit Shards(SplitMix& random) {
-        std::vector<Vec3> corners;
         const auto corner = [&](double x, double y, double z, double wide) {
             corners.push_back({scene::real(x + drawn(random, -wide, wide)),
                                scene::real(y + drawn(random, -wide, wide)),
@@ -123,11 +123,11 @@ struct Shards {
             add({corners.begin() + static_cast<std::ptrdiff_t>(i),
                  corners.begin() + static_cast<std::ptrdiff_t>(i + 3)});
     }
-    void add(const std::vector<Vec3>& corners) {
+    void add(const std::vector<Vec3>& of) {
         std::vector<std::array<std::uint32_t, 3>> triangles;
-        for (std::uint32_t i = 0; i < corners.size(); i += 3) triangles.push_back({i, i + 1, i + 2});
+        for (std::uint32_t i = 0; i < of.size(); i += 3) triangles.push_back({i, i + 1, i + 2});
         const AssetId id =
-            library.add(bake_mesh({.vertices = corners, .triangles = triangles, .two_sided = true})).value();
+            library.add(bake_mesh({.vertices = of, .triangles = triangles, .two_sided = true})).value();
         solids.push_back({library.geometry(id).value()});
         solids.back().mesh = library.find(id)->mesh.get();
     }
@@ -199,6 +199,33 @@ inline std::string cast_order_fault(std::uint64_t seed, int& hits) {
                 nearest.normal == UnitVec3{})
                 return where + ": it passes through a triangle";
         }
+    }
+    return {};
+}
+
+/// Casts rays through a point of each shard. Returns a sentence if a ray does not hit there or before.
+inline std::string ray_order_fault(std::uint64_t seed) {
+    SplitMix random(seed);
+    const Shards shards(random);
+    collide::NarrowScratch scratch;
+    for (std::size_t i = 0; i < shards.corners.size(); i += 3) {
+        const Real share = scene::real(drawn(random, 0.02, 0.96)),
+                   other = (scene::real(0.98) - share) * scene::real(drawn(random, 0.02, 1));
+        const Vec3 &a = shards.corners[i], &b = shards.corners[i + 1], &c = shards.corners[i + 2];
+        const Vec3 target = a + scale<Real>(b - a, share) + scale<Real>(c - a, other);
+        Vec3 from = target;
+        for (int k = 0; k < 3; ++k)
+            if (!random.one_in(3)) from[k] += scene::real(drawn(random, -6, 6));
+        const CoordinateVec3 half = to<Coordinate>(target - from);
+        collide::CastHit hit{};
+        const bool meets =
+            collide::cast_ray(shards.solids[0], to<Coordinate>(from), half + half, scratch, hit);
+        const Vec3 across = cross<Real>(b - a, c - a);
+        const Real area = length(across), steep = dot<Real>(across, target - from);
+        if (area < scene::real(0.01) || abs(steep) < scene::real(0.001))
+            continue; // it may pass along the triangle
+        if (!meets || hit.fraction.raw > unit_one.raw / 2 + (1 << 14))
+            return "seed " + std::to_string(seed) + ": a ray misses triangle " + std::to_string(i / 3);
     }
     return {};
 }
