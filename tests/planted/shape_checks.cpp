@@ -392,6 +392,13 @@ std::string first_triangles_are_hit() {
     return {};
 }
 
+std::string casts_meet_what_is_in_the_way() {
+    int hits = 0;
+    for (std::uint64_t seed = 1; seed <= 50; ++seed)
+        if (std::string found = test::cast_beside_fault(seed, hits); !found.empty()) return found;
+    return {};
+}
+
 std::string rays_hit_each_triangle() {
     for (std::uint64_t seed = 1; seed <= 50; ++seed)
         if (std::string found = test::ray_order_fault(seed); !found.empty()) return found;
@@ -411,6 +418,7 @@ Checks shape_checks() {
             {"queries find triangles", queries_find_triangles},
             {"wide trees find all", wide_trees_find_all},
             {"casts hit the first triangle", first_triangles_are_hit},
+            {"casts meet what is in the way", casts_meet_what_is_in_the_way},
             {"rays hit each triangle", rays_hit_each_triangle},
             {"limbs pass where contacts push them out", limbs_pass},
             {"long bodies stop where they meet", long_bodies_stop},

@@ -408,6 +408,28 @@ bool keeps(NearFaces& near, const shapes::Solid& solid, const shapes::Extent& wh
     return !near.too_many;
 }
 
+/// True when the bounds of a shape along its path are apart from those of a convex solid. False when this is unknown, for
+/// shapes whose bounds take long to compute.
+bool passes_beside(const Caster& c, const shapes::Solid& solid) {
+    constexpr std::int64_t guard_24 = 256; // more than close_30
+    const Convex& shape = c.shape;
+    const bool is_box = shape.core == Convex::Core::box, is_segment = shape.core == Convex::Core::segment;
+    if (!is_box && !is_segment && shape.core != Convex::Core::point) return false;
+    const shapes::Extent extent = shapes::extent_of(solid);
+    for (int i = 0; i < 3; ++i) {
+        std::int64_t reach = shape.radius.raw + guard_24;
+        if (is_box || is_segment) reach += absolute(shape.axes_30[1][i]) * shape.half_24[1] >> 30;
+        if (is_box)
+            reach += (absolute(shape.axes_30[0][i]) * shape.half_24[0] +
+                      absolute(shape.axes_30[2][i]) * shape.half_24[2]) >>
+                     30;
+        const std::int64_t from = c.line.from_24[i], to = from + c.line.way_24[i];
+        if (smaller(from, to) - reach > extent.upper[i].raw || larger(from, to) + reach < extent.lower[i].raw)
+            return true;
+    }
+    return false;
+}
+
 bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
                  const Line& way, NarrowScratch& scratch, CastHit& hit) {
     // Above a plane only the height counts: a position far beside the plane's origin would leave the range.
@@ -433,6 +455,7 @@ bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const 
                          nullptr,
                          false};
     Span span{0, line.length_30};
+    if (whole.kind != Obstacle::Kind::plane && passes_beside(c, solid)) return false;
     if (whole.kind != Obstacle::Kind::plane)
         span = span_of_ball(line, Long3{}, reach_24(solid) + c.reach_24 + 256);
     if (span.empty() || !cast_at(c, whole, span, hit)) return false;

@@ -56,3 +56,9 @@ TEST_CASE("a solid that is cast at a mesh gives the first hit of all triangles")
 TEST_CASE("a ray hits a mesh at each triangle or before it") {
     for (std::uint64_t seed = 1; seed <= 200; ++seed) REQUIRE(ray_order_fault(seed) == "");
 }
+
+TEST_CASE("a solid that is cast past another one does not pass through it") {
+    int hits = 0;
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) REQUIRE(cast_beside_fault(seed, hits) == "");
+    CHECK(hits > 1000);
+}

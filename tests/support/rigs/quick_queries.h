@@ -157,6 +157,50 @@ inline bool is_same_place(const collide::CastHit& a, const collide::CastHit& b) 
     return a.distance == b.distance && a.fraction == b.fraction && a.point == b.point && a.normal == b.normal;
 }
 
+/// True if a solid overlaps another one on its way, before a fraction of it.
+inline bool passes_through(const shapes::Solid& solid, const shapes::Solid& moving,
+                           const collide::RelativePose& pose, CoordinateVec3 way, Unit until) {
+    collide::NarrowScratch scratch;
+    for (int part = 0; part < 24; ++part) {
+        const Unit at = Unit::from_raw((unit_one.raw / 24) * part);
+        if (at.raw > until.raw - (1 << 12)) break;
+        collide::Nearest nearest{};
+        const CoordinateVec3 here = pose.position + scale<Coordinate>(way, at);
+        if (collide::nearest_points(solid, moving, {pose.rotation, here}, Coordinate(1), scratch, nearest) &&
+            nearest.normal == UnitVec3{})
+            return true;
+    }
+    return false;
+}
+
+inline Quat drawn_turn(SplitMix& random) {
+    if (random.one_in(3)) return Quat::identity();
+    const Unit x = drawn_unit(random), y = drawn_unit(random), z = drawn_unit(random);
+    return normalized(Quat{x, y, z, unit_one});
+}
+
+/// Casts solids past each other. Returns a sentence if one passes through the other. `hits`: the number of hits.
+inline std::string cast_beside_fault(std::uint64_t seed, int& hits) {
+    SplitMix random(seed);
+    collide::NarrowScratch scratch;
+    for (int k = 0; k < 40; ++k) {
+        const shapes::Solid solid{drawn_convex(random)}, moving{drawn_convex(random)};
+        CoordinateVec3 from{}, way{};
+        for (int i = 0; i < 3; ++i) {
+            from[i] = to<Coordinate>(scene::real(drawn(random, -1.5, 1.5)));
+            if (!random.one_in(3)) way[i] = to<Coordinate>(scene::real(drawn(random, -2, 2)));
+        }
+        const collide::RelativePose pose{to_rotation(drawn_turn(random)), from};
+        collide::CastHit hit{};
+        const bool meets = collide::cast_shape(solid, moving, pose, way, scratch, hit);
+        hits += meets ? 1 : 0;
+        if (passes_through(solid, moving, pose, way, meets ? hit.fraction : unit_one))
+            return "seed " + std::to_string(seed) + ", cast " + std::to_string(k) +
+                   ": it passes through the other";
+    }
+    return {};
+}
+
 /// Casts solids at shards over short paths, which are searched in one piece. Returns a sentence if a cast does not give
 /// the first hit of casts at each triangle, or if the solid overlaps a triangle on its way there. `hits`: their number.
 inline std::string cast_order_fault(std::uint64_t seed, int& hits) {
@@ -171,11 +215,7 @@ inline std::string cast_order_fault(std::uint64_t seed, int& hits) {
         const CoordinateVec3 from{coordinate(4), coordinate(3), coordinate(4)};
         CoordinateVec3 way{coordinate(0.4), coordinate(0.4), coordinate(0.4)};
         if (random.one_in(3)) way = {Coordinate{}, way.y, random.one_in(2) ? Coordinate{} : way.z};
-        const Quat turn =
-            random.one_in(3)
-                ? Quat::identity()
-                : normalized(Quat{drawn_unit(random), drawn_unit(random), drawn_unit(random), unit_one});
-        const collide::RelativePose pose{to_rotation(turn), from};
+        const collide::RelativePose pose{to_rotation(drawn_turn(random)), from};
         collide::CastHit hit{}, first{}, one{};
         const bool meets = collide::cast_shape(shards.solids[0], moving, pose, way, scratch, hit);
         bool any = false, is_one = false;
@@ -189,16 +229,8 @@ inline std::string cast_order_fault(std::uint64_t seed, int& hits) {
         if (meets != any || (meets && (hit.distance != first.distance || !is_one)))
             return where + ": the hit is not the first of all triangles";
         hits += meets ? 1 : 0;
-        for (int part = 0; part < 24; ++part) {
-            const Unit at = Unit::from_raw((unit_one.raw / 24) * part);
-            if (meets && at.raw > hit.fraction.raw - (1 << 12)) break;
-            collide::Nearest nearest{};
-            const CoordinateVec3 here = from + scale<Coordinate>(way, at);
-            if (collide::nearest_points(shards.solids[0], moving, {pose.rotation, here}, Coordinate(1),
-                                        scratch, nearest) &&
-                nearest.normal == UnitVec3{})
-                return where + ": it passes through a triangle";
-        }
+        if (passes_through(shards.solids[0], moving, pose, way, meets ? hit.fraction : unit_one))
+            return where + ": it passes through a triangle";
     }
     return {};
 }
