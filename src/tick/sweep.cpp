@@ -393,7 +393,8 @@ void sweep_fast_bodies(Model& w, PlacedShapes& placed, const PosesBefore& before
         s.kinematic_motion_max = max(s.kinematic_motion_max, motion_of(s, row));
         s.for_each_shape(row, [&](const ShapeRow& shape) { sweep.driven.push_back(shape.id.index - 1); });
     }
-    std::sort(sweep.driven.begin(), sweep.driven.end());
+    // A world of many bodies adds them in order.
+    if (!std::ranges::is_sorted(sweep.driven)) std::sort(sweep.driven.begin(), sweep.driven.end());
     const std::uint32_t workers = base::worker_count(tasks);
     if (sweep.workers.size() < workers) make_workers(sweep, workers);
     s.driven = sweep.driven; // make_workers() may reallocate the list

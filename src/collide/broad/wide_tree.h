@@ -52,7 +52,7 @@ class WideTree {
     struct Box {
         std::int16_t lower[3], upper[3];
     };
-    /// The same number in all lanes.
+    /// One number in all lanes.
     struct Lanes {
         Lanes& operator=(std::int64_t x) {
             for (std::int16_t& lane : of) lane = static_cast<std::int16_t>(x);

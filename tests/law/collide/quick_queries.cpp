@@ -39,7 +39,7 @@ TEST_CASE("answers of queries do not depend on the number of queries before them
     World asked = query::crowd(assets, 80);
     for (int t = 0; t < 30; ++t) asked.tick();
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-        const World fresh = asked;
+        const World fresh = asked.clone();
         const query::Answers first = query::ask(fresh, assets, seed, 4);
         query::ask(asked, assets, 0, 50);
         REQUIRE(query::ask(asked, assets, seed, 4) == first);
