@@ -343,7 +343,10 @@ class TriangleCaster {
     bool is_late(std::int64_t at_30) const { return found && at_30 > up(hit.distance.raw, 6) + close_30; }
     void finish(Span rest, std::size_t count) {
         std::sort(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(count),
-                  [](const Waiting& a, const Waiting& b) { return a.enter_30 < b.enter_30; });
+                  [](const Waiting& a, const Waiting& b) {
+                      return a.enter_30 != b.enter_30 ? a.enter_30 < b.enter_30
+                                                      : a.index < b.index; // no order of equals
+                  });
         for (std::size_t i = 0; i < count && !is_late(waiting[i].enter_30); ++i) {
             const shapes::Face triangle = shapes::face_at(solid, waiting[i].index);
             const Obstacle o{Obstacle::Kind::triangle,    triangle.index, nullptr, nullptr, &triangle,
